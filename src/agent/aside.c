@@ -16,7 +16,7 @@
 /* @return whether it may have a file */
 static bool aside_path(const struct robot *r, char path[PATH_MAX])
 {
-    const char *folder = r->crew->set->checkpoints.folder;
+    const char *folder = r->group->set->checkpoints.folder;
     return folder && snprintf(path, PATH_MAX, "%s/%s.lines", folder, r->name) < PATH_MAX;
 }
 
@@ -126,7 +126,7 @@ bool aside_begin(struct robot *r, const struct mu_mail *mail)
                mail->src, l->lives, l->text);
         return false;
     }
-    if (!r->crew->set->checkpoints.folder) {
+    if (!r->group->set->checkpoints.folder) {
         return true;
     }
     if (!l) {

@@ -1,6 +1,4 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "agent/checkpoint.h"
-
 #include "agent/robot.h"
 #include "core/clock.h"
 #include "core/log.h"
@@ -20,24 +18,16 @@
 enum { CHECKPOINT_VERSION = 1 };
 
 static const char SUFFIX[] = ".capsule";
+
 static const char GONE[] = ".gone";
 
-mu_result checkpoint_settings_check(const struct checkpoint_settings *set, const char *program)
+void checkpoint_reserve(struct group_process *g)
 {
-    if (set->every_s > 0 && !set->folder) {
-        fprintf(stderr, "%s: --checkpoint needs --folder DIR\n", program);
-        return MU_FAULT_USAGE;
-    }
-    return MU_OK;
-}
-
-void checkpoint_reserve(struct crew *c)
-{
-    struct checkpoints *k = &c->checkpoints;
-    k->set = &c->set->checkpoints;
+    struct checkpoints *k = &g->checkpoints;
+    k->set = &g->set->checkpoints;
     if (k->set->folder || k->set->restore) {
-        mu_text_init(&k->text, mu_startup_alloc(TRIP_CAPSULE_MAX), TRIP_CAPSULE_MAX);
-        k->saved = mu_startup_array(c->count, sizeof *k->saved);
+        mu_text_init(&k->text, mu_startup_alloc(MIGRATION_SNAPSHOT_MAX), MIGRATION_SNAPSHOT_MAX);
+        k->saved = mu_startup_array(g->count, sizeof *k->saved);
     }
 }
 
@@ -46,7 +36,7 @@ void checkpoint_reserve(struct crew *c)
 /* In lock step the clock is the run's. */
 static uint64_t clock_ns(const struct robot *r)
 {
-    return mu_process_in_lockstep(r->crew->process) ? r->time_ns : mu_clock_ns();
+    return mu_process_in_lockstep(r->group->process) ? r->time_ns : mu_clock_ns();
 }
 
 static void file_name(const struct checkpoints *k, char path[PATH_MAX], const char *prefix,
@@ -60,18 +50,18 @@ static void mark_name(const struct checkpoints *k, char path[PATH_MAX], const ch
     snprintf(path, PATH_MAX, "%s/%s%s", k->set->folder, name, GONE);
 }
 
-bool checkpoint_is_gone(const struct crew *c, const char *name)
+bool checkpoint_is_gone(const struct group_process *g, const char *name)
 {
     char path[PATH_MAX];
-    mark_name(&c->checkpoints, path, name);
-    return c->checkpoints.set->folder && access(path, F_OK) == 0;
+    mark_name(&g->checkpoints, path, name);
+    return g->checkpoints.set->folder && access(path, F_OK) == 0;
 }
 
-bool checkpoint_is_there(const struct crew *c, const char *name)
+bool checkpoint_is_there(const struct group_process *g, const char *name)
 {
     char path[PATH_MAX];
-    file_name(&c->checkpoints, path, "", name);
-    return c->checkpoints.set->folder && access(path, F_OK) == 0;
+    file_name(&g->checkpoints, path, "", name);
+    return g->checkpoints.set->folder && access(path, F_OK) == 0;
 }
 
 static bool bytes_write(int file, const char *at, size_t len)
@@ -111,19 +101,19 @@ static void head_add(struct mu_text *out, const struct robot *r)
 }
 
 /* Writes an agent down, and its file.  @return NULL, or why that cannot be */
-static const char *agent_write(struct robot *r, enum mu_state state, struct mu_fault *fault)
+static const char *agent_save(struct robot *r, enum mu_state state, struct mu_fault *fault)
 {
-    struct checkpoints *k = &r->crew->checkpoints;
+    struct checkpoints *k = &r->group->checkpoints;
     struct mu_text rest;
-    struct passport p = {.purpose = TRIP_MOVE,
-                         .state = state,
-                         .mails = r->mails,
-                         .passage = mu_agent_passage(r->agent)};
+    struct snapshot_header p = {.purpose = MIGRATION_MOVE,
+                                .state = state,
+                                .mails = r->mails,
+                                .passage = mu_agent_passage(r->agent)};
     (void)mu_text_copy(p.name, sizeof p.name, r->name);
     mu_text_clear(&k->text);
     head_add(&k->text, r);
     mu_text_init(&rest, k->text.at + k->text.len, k->text.size - k->text.len);
-    const char *why = trip_write(r, &p, &rest, fault);
+    const char *why = agent_write(r, &p, &rest, fault);
     k->text.len += rest.len;
     return why || file_write(k, r->name) ? why : strerror(errno);
 }
@@ -138,19 +128,19 @@ static void mark_remove(const struct checkpoints *k, const char *name)
 
 bool checkpoint_write(struct robot *r, enum mu_state state)
 {
-    struct saved *s = &r->crew->checkpoints.saved[r - r->crew->robots];
+    struct saved *s = &r->group->checkpoints.saved[r - r->group->robots];
     struct mu_fault fault;
     s->written_ns = clock_ns(r);
     s->state = state;
     s->tried = true;
-    const char *why = agent_write(r, state, &fault);
+    const char *why = agent_save(r, state, &fault);
     if (why && !s->failing) {
         mu_log(MU_LOG_WARNING, "checkpoint-failed", "name=%s folder=%s %s", r->name,
-               r->crew->checkpoints.set->folder, why);
+               r->group->checkpoints.set->folder, why);
     }
     s->failing = why;
     if (!why && !s->name[0]) {
-        mark_remove(&r->crew->checkpoints, r->name);
+        mark_remove(&r->group->checkpoints, r->name);
     }
     if (!why) {
         (void)mu_text_copy(s->name, sizeof s->name, r->name);
@@ -179,22 +169,22 @@ static void file_forget(const struct checkpoints *k, const char *name)
 /* Whoever has no name from a broker yet may be somebody else's second copy. */
 static bool lives_here(const struct robot *r)
 {
-    return !r->out && !r->arrives && !trip_holds(r) && mu_agent_passage(r->agent).broker != 0;
+    return !r->out && !r->arrives && !agent_is_away(r) && mu_agent_passage(r->agent).broker != 0;
 }
 
 static bool is_due(const struct robot *r, const struct saved *s)
 {
-    uint64_t every_ns = (uint64_t)llround(r->crew->checkpoints.set->every_s * 1e9);
+    uint64_t every_ns = (uint64_t)llround(r->group->checkpoints.set->every_s * 1e9);
     uint64_t now_ns = clock_ns(r);
     bool late = now_ns < s->written_ns || now_ns - s->written_ns >= every_ns;
     return !s->tried || late || mu_agent_state(r->agent) != s->state;
 }
 
-void checkpoint_round(struct crew *c)
+void checkpoint_round(struct group_process *g)
 {
-    const struct checkpoints *k = &c->checkpoints;
-    for (uint32_t i = 0; i < c->count && k->set->every_s > 0; i++) {
-        struct robot *r = &c->robots[i];
+    const struct checkpoints *k = &g->checkpoints;
+    for (uint32_t i = 0; i < g->count && k->set->every_s > 0; i++) {
+        struct robot *r = &g->robots[i];
         struct saved *s = &k->saved[i];
         s->tried = s->tried && !r->out;
         if (lives_here(r) && is_due(r, s)) {
@@ -205,11 +195,11 @@ void checkpoint_round(struct crew *c)
 
 void checkpoint_leave(struct robot *r)
 {
-    const struct checkpoints *k = &r->crew->checkpoints;
+    const struct checkpoints *k = &r->group->checkpoints;
     if (!k->set->folder || !r->out) {
         return;
     }
-    struct saved *s = &k->saved[r - r->crew->robots];
+    struct saved *s = &k->saved[r - r->group->robots];
     if (r->native) {
         mark_write(k, r->name);
         r->native = false;
@@ -220,16 +210,16 @@ void checkpoint_leave(struct robot *r)
     }
 }
 
-void checkpoint_forget(struct crew *c)
+void checkpoint_forget(struct group_process *g)
 {
-    for (uint32_t i = 0; i < c->count; i++) {
-        checkpoint_leave(&c->robots[i]);
+    for (uint32_t i = 0; i < g->count; i++) {
+        checkpoint_leave(&g->robots[i]);
     }
 }
 
 void checkpoint_own(struct robot *r)
 {
-    struct saved *s = &r->crew->checkpoints.saved[r - r->crew->robots];
+    struct saved *s = &r->group->checkpoints.saved[r - r->group->robots];
     (void)mu_text_copy(s->name, sizeof s->name, r->name);
 }
 
@@ -259,19 +249,19 @@ bool checkpoint_head_read(const char **text, struct checkpoint_head *out)
     return answer_read(text, &out->answer);
 }
 
-const char *checkpoint_read(struct crew *c, const char *name, struct checkpoint_head *head,
-                            struct passport *p)
+const char *checkpoint_read(struct group_process *g, const char *name, struct checkpoint_head *head,
+                            struct snapshot_header *p)
 {
     char path[PATH_MAX];
-    struct checkpoints *k = &c->checkpoints;
+    struct checkpoints *k = &g->checkpoints;
     file_name(k, path, "", name);
     const char *rest = k->text.at;
     if (!file_read(path, &k->text)) {
         mu_log(MU_LOG_WARNING, "checkpoint-missing", "file=%s %s", path, strerror(errno));
         return NULL;
     }
-    bool read =
-        checkpoint_head_read(&rest, head) && passport_read(&rest, p) && strcmp(p->name, name) == 0;
+    bool read = checkpoint_head_read(&rest, head) && snapshot_header_read(&rest, p) &&
+                strcmp(p->name, name) == 0;
     if (!read) {
         mu_log(MU_LOG_WARNING, "checkpoint-refused", "file=%s damaged, or not of %s", path, name);
     }
@@ -291,11 +281,11 @@ static bool file_is_one(const char *file, char name[MU_NAME_MAX + 1])
     return mu_name_valid(name);
 }
 
-uint32_t checkpoint_each(struct crew *c,
-                         bool (*take)(struct crew *c, const char *name,
+uint32_t checkpoint_each(struct group_process *g,
+                         bool (*take)(struct group_process *g, const char *name,
                                       const struct checkpoint_head *head, const char *text))
 {
-    struct checkpoints *k = &c->checkpoints;
+    struct checkpoints *k = &g->checkpoints;
     char name[MU_NAME_MAX + 1], path[PATH_MAX];
     uint32_t count = 0;
     DIR *folder = opendir(k->set->folder);
@@ -306,7 +296,7 @@ uint32_t checkpoint_each(struct crew *c,
             const char *text = k->text.at;
             struct checkpoint_head head;
             bool read = file_read(path, &k->text) && checkpoint_head_read(&text, &head);
-            count += take(c, name, &head, read ? text : "");
+            count += take(g, name, &head, read ? text : "");
         }
     }
     if (folder) {

@@ -8,39 +8,12 @@
 #ifndef MUSTER_AGENT_CHECKPOINT_H
 #define MUSTER_AGENT_CHECKPOINT_H
 
-#include "agent/trip.h"
-#include "core/options.h"
+#include "agent/migration.h"
+#include "agent/options.h"
 #include "runtime/answer.h"
 
 #include <stdbool.h>
 #include <stdint.h>
-
-/* What the command line says of them. */
-struct checkpoint_settings {
-    double every_s;     /* 0: never */
-    const char *folder; /* of the files */
-    bool restore;       /* agents that have a file there come back */
-};
-
-/* These options, for a program's table of options. */
-#define CHECKPOINT_OPTIONS(set)                                                                   \
-    {.name = "checkpoint",                                                                        \
-     .kind = MU_OPTION_REAL,                                                                      \
-     .unit = "S",                                                                                 \
-     .fallback = "0",                                                                             \
-     .help = "write each agent to the folder every S seconds, when it comes, and when its state " \
-             "changes; 0: never",                                                                 \
-     .target = &(set).every_s,                                                                    \
-     .max = 1e6},                                                                                 \
-        {.name = "folder",                                                                        \
-         .kind = MU_OPTION_STRING,                                                                \
-         .unit = "DIR",                                                                           \
-         .help = "where checkpoints are",                                                         \
-         .target = &(set).folder},                                                                \
-    {                                                                                             \
-        .name = "restore", .kind = MU_OPTION_FLAG,                                                \
-        .help = "bring back the agents that have a checkpoint there", .target = &(set).restore    \
-    }
 
 /* What a file says before the passport. */
 struct checkpoint_head {
@@ -58,29 +31,25 @@ struct saved {
 };
 
 struct checkpoints {
-    const struct checkpoint_settings *set;
+    const struct checkpoint_options *set;
     struct saved *saved; /* of each robot */
     struct mu_text text; /* TRIP_CAPSULE_MAX: what is being written or read */
 };
 
-/** @return MU_OK, or MU_FAULT_USAGE: a folder is missing, and it has said so */
-MU_MUST_USE mu_result checkpoint_settings_check(const struct checkpoint_settings *set,
-                                                const char *program);
-
 /** Takes the memory for a crew's checkpoints, if there are to be any. */
-void checkpoint_reserve(struct crew *c);
+void checkpoint_reserve(struct group_process *g);
 
 /** Writes an agent's file.  @return false: that failed, and was logged, once until it succeeds */
 bool checkpoint_write(struct robot *r, enum mu_state state);
 
 /** Writes what is due. */
-void checkpoint_round(struct crew *c);
+void checkpoint_round(struct group_process *g);
 
 /**
  * Forgets who is not here any more, once the others have heard of that: the file goes.  Of one that
  * the command line names a mark stays, so that it does not begin anew here.
  */
-void checkpoint_forget(struct crew *c);
+void checkpoint_forget(struct group_process *g);
 
 /** The same at once for one of them: its place is another's now. */
 void checkpoint_leave(struct robot *r);
@@ -89,10 +58,10 @@ void checkpoint_leave(struct robot *r);
 void checkpoint_own(struct robot *r);
 
 /** @return whether such a mark is there */
-bool checkpoint_is_gone(const struct crew *c, const char *name);
+bool checkpoint_is_gone(const struct group_process *g, const char *name);
 
 /** @return whether an agent of that name has a file */
-bool checkpoint_is_there(const struct crew *c, const char *name);
+bool checkpoint_is_there(const struct group_process *g, const char *name);
 
 /**
  * Reads an agent's file into the crew's text; good until the next file is written or read.
@@ -101,8 +70,8 @@ bool checkpoint_is_there(const struct crew *c, const char *name);
  * @param p     out: its passport
  * @return the capsule behind it; NULL: there is none, or not a whole one
  */
-const char *checkpoint_read(struct crew *c, const char *name, struct checkpoint_head *head,
-                            struct passport *p);
+const char *checkpoint_read(struct group_process *g, const char *name, struct checkpoint_head *head,
+                            struct snapshot_header *p);
 
 /** Reads what stands before the passport and moves behind it.  @return false: it is no checkpoint
  */
@@ -115,8 +84,8 @@ bool checkpoint_head_read(const char **text, struct checkpoint_head *out);
  *              there is no whole one; @return whether that agent comes back
  * @return how many come back
  */
-uint32_t checkpoint_each(struct crew *c,
-                         bool (*take)(struct crew *c, const char *name,
+uint32_t checkpoint_each(struct group_process *g,
+                         bool (*take)(struct group_process *g, const char *name,
                                       const struct checkpoint_head *head, const char *text));
 
 #endif

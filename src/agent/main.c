@@ -11,17 +11,17 @@
 #include <limits.h>
 #include <stdio.h>
 
-static struct crew *crew_make(const struct settings *set)
+static struct group_process *group_make(const struct robot_options *set)
 {
-    struct crew *c = mu_startup_alloc(sizeof *c);
-    robot_reserve_crew(c, set, settings_robots(set), "");
-    for (uint32_t i = 0; i < c->count; i++) {
-        settings_robot(set, i, c->robots[i].name);
+    struct group_process *g = mu_startup_alloc(sizeof *g);
+    agent_reserve(g, set, options_robots(set), "");
+    for (uint32_t i = 0; i < g->count; i++) {
+        options_robot(set, i, g->robots[i].name);
     }
-    return c;
+    return g;
 }
 
-static mu_result robots_think(struct crew *c)
+static mu_result robots_think(struct group_process *g)
 {
     char folder[PATH_MAX];
     if (!mu_path_rules(folder, sizeof folder)) {
@@ -29,75 +29,75 @@ static mu_result robots_think(struct crew *c)
                         "folder that has muster.clp\n");
         return MU_FAULT_FILE;
     }
-    c->rules_folder = mu_startup_string(folder);
-    MU_TRY(robot_map_open(c));
-    for (uint32_t i = 0; i < c->count; i++) {
-        MU_TRY(robot_think(&c->robots[i]));
+    g->rules_folder = mu_startup_string(folder);
+    MU_TRY(robot_mind_open_map(g));
+    for (uint32_t i = 0; i < g->count; i++) {
+        MU_TRY(robot_mind_make(&g->robots[i]));
     }
     return MU_OK;
 }
 
-static mu_result robots_join(struct crew *c)
+static mu_result robots_join(struct group_process *g)
 {
-    const struct settings *set = c->set;
+    const struct robot_options *set = g->set;
     struct mu_process_options options = {.domain = (int)set->network.domain,
                                          .interface = set->network.interface,
                                          .peer = mu_network_peers(&set->network),
                                          .name = set->name,
                                          .broker = set->network.broker,
-                                         .agents = c->count + 1, /* an envoy */
+                                         .agents = g->count + 1, /* an envoy */
                                          .with_body = true};
-    MU_TRY(mu_process_open(&c->process, &options));
-    for (uint32_t i = 0; i < c->count; i++) {
-        if (!c->robots[i].out) {
-            MU_TRY(robot_join(&c->robots[i]));
+    MU_TRY(mu_process_open(&g->process, &options));
+    for (uint32_t i = 0; i < g->count; i++) {
+        if (!g->robots[i].out) {
+            MU_TRY(agent_join(&g->robots[i]));
         }
     }
-    return join_await(c->process, &set->network, "muster robot", options.domain);
+    return join_await(g->process, &set->network, "muster robot", options.domain);
 }
 
-static bool crew_is_empty(const struct crew *c)
+static bool group_is_empty(const struct group_process *g)
 {
     bool empty = true;
-    for (uint32_t i = 0; i < c->count; i++) {
-        empty = empty && c->robots[i].out;
+    for (uint32_t i = 0; i < g->count; i++) {
+        empty = empty && g->robots[i].out;
     }
     return empty;
 }
 
-static void crew_save(void *self)
+static void group_save(void *self)
 {
     checkpoint_round(self);
 }
 
 static void on_trip(void *self, const muster_Trip *word)
 {
-    trip_hear(self, word);
+    migration_hear(self, word);
 }
 
 static void on_step_end(void *self)
 {
-    trip_step_end(self);
+    migration_step_end(self);
 }
 
 static void on_answered(void *self)
 {
-    trip_step_answered(self);
+    migration_step_answered(self);
     checkpoint_forget(self);
 }
 
-static void crew_round(void *self)
+static void group_round(void *self)
 {
-    trip_round(self);
+    migration_round(self);
     checkpoint_round(self);
     checkpoint_forget(self);
-    robot_crew_look(self);
+    group_process_look(self);
 }
 
 int main(int argc, char **argv)
 {
-    const struct settings *set;
-    mu_result parsed = settings_parse(&set, argc, argv);
+    const struct robot_options *set;
+    mu_result parsed = options_read(&set, argc, argv);
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
     }
@@ -106,26 +106,26 @@ int main(int argc, char **argv)
         return MU_EXIT_DONE;
     }
     mu_log_open(set->name, set->verbose ? MU_LOG_INFO : MU_LOG_WARNING);
-    struct crew *c = crew_make(set);
-    mu_result ready = robots_think(c);
-    if (ready == MU_OK && crew_is_empty(c)) {
+    struct group_process *g = group_make(set);
+    mu_result ready = robots_think(g);
+    if (ready == MU_OK && group_is_empty(g)) {
         return MU_EXIT_DONE; /* all have ended before */
     }
-    ready = ready == MU_OK ? robots_join(c) : ready;
+    ready = ready == MU_OK ? robots_join(g) : ready;
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }
     struct trips listener = {
-        .self = c, .on_trip = on_trip, .on_step_end = on_step_end, .on_answered = on_answered};
-    trips_listen(c->process, &listener);
-    mu_process_each_round(c->process, crew_round, c);
-    process_before_up(c->process, crew_save, c);
+        .self = g, .on_trip = on_trip, .on_step_end = on_step_end, .on_answered = on_answered};
+    trips_listen(g->process, &listener);
+    mu_process_each_round(g->process, group_round, g);
+    process_before_up(g->process, group_save, g);
     mind_watchdog();
     mu_memory_seal();
-    mu_result ran = mu_process_run(c->process);
-    mu_process_close(c->process);
-    for (uint32_t i = 0; i < c->count; i++) {
-        robot_print_rest(&c->robots[i]);
+    mu_result ran = mu_process_run(g->process);
+    mu_process_close(g->process);
+    for (uint32_t i = 0; i < g->count; i++) {
+        ports_print_rest(&g->robots[i]);
     }
-    return c->refused ? MU_EXIT_REFUSED : mu_exit_for(ran);
+    return g->refused ? MU_EXIT_REFUSED : mu_exit_for(ran);
 }

@@ -1,15 +1,53 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How a robot gets its mind: of its rules, of its checkpoint, and anew when it is broken. */
+/* How a robot gets its mind: of its rules, of its checkpoint, and anew when it is broken; and the
+ * map of the world for it. */
 #include "agent/robot.h"
 #include "core/fault.h"
 #include "core/log.h"
 #include "muster/memory.h"
+#include "world/world_load.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
-mu_result robot_set_global(struct mind *mind, const char *word)
+/* Half a Pioneer, for a robot that does not stand in the world's file. */
+static const double map_half_m = 0.19;
+
+/* That much a robot wants to have beside it. */
+static const double map_beside_m = 0.06;
+
+mu_result robot_mind_open_map(struct group_process *g)
+{
+    struct mu_fault fault;
+    if (!g->set->world) {
+        return MU_OK;
+    }
+    struct distance_map *map = mu_startup_alloc(sizeof *map);
+    g->world = mu_startup_alloc(sizeof *g->world);
+    mu_result loaded = world_load(g->world, g->set->world, true, &fault);
+    if (loaded != MU_OK) {
+        mu_fault_print(&fault);
+        return loaded;
+    }
+    distance_map_make(map, g->world);
+    g->planner = planner_make(map);
+    return MU_OK;
+}
+
+/* @return half the width of a robot and what it wants to have beside it, in metres */
+static double map_half_width_m(const struct robot *r)
+{
+    const struct world *world = r->group->world;
+    for (size_t i = 0; world && i < world->robot_count; i++) {
+        if (strcmp(world->robots[i].name, r->name) == 0) {
+            return world->robots[i].width_m / 2 + map_beside_m;
+        }
+    }
+    return map_half_m + map_beside_m;
+}
+
+mu_result robot_mind_set_global(struct mind *mind, const char *word)
 {
     char name[MU_FIELD_MAX + 1];
     const char *equals = strchr(word, '=');
@@ -30,14 +68,14 @@ mu_result robot_set_global(struct mind *mind, const char *word)
 static mu_result globals_set(struct mind *mind, const struct mu_option_list *globals)
 {
     for (size_t i = 0; i < globals->count; i++) {
-        MU_TRY(robot_set_global(mind, globals->items[i]));
+        MU_TRY(robot_mind_set_global(mind, globals->items[i]));
     }
     return MU_OK;
 }
 
-struct mind_options robot_options(struct robot *r, const char *folder)
+struct mind_options robot_mind_options(struct robot *r, const char *folder)
 {
-    const struct settings *set = r->crew->set;
+    const struct robot_options *set = r->group->set;
     return (struct mind_options){.name = r->name,
                                  .seed = (uint64_t)set->seed,
                                  .rules_folder = folder,
@@ -45,17 +83,17 @@ struct mind_options robot_options(struct robot *r, const char *folder)
                                  .firings_max = (uint32_t)set->firings_max,
                                  .failures_max = (uint32_t)set->failures_max,
                                  .diary = set->diary,
-                                 .planner = r->crew->planner,
-                                 .half_m = robot_map_half_m(r),
-                                 .ports = robot_ports(r)};
+                                 .planner = r->group->planner,
+                                 .half_m = map_half_width_m(r),
+                                 .ports = ports_of(r)};
 }
 
 /* @return whether it has a mind, made of its checkpoint */
-static bool mind_restored(struct robot *r, struct checkpoint_head *head, struct passport *p)
+static bool mind_restored(struct robot *r, struct checkpoint_head *head, struct snapshot_header *p)
 {
     struct mu_fault fault;
-    struct mind_options options = robot_options(r, NULL);
-    const char *capsule = checkpoint_read(r->crew, r->name, head, p);
+    struct mind_options options = robot_mind_options(r, NULL);
+    const char *capsule = checkpoint_read(r->group, r->name, head, p);
     if (!capsule) {
         return false;
     }
@@ -69,7 +107,7 @@ static bool mind_restored(struct robot *r, struct checkpoint_head *head, struct 
     return made == MU_OK;
 }
 
-void robot_take_up(struct robot *r, const struct checkpoint_head *head)
+void robot_mind_take_up(struct robot *r, const struct checkpoint_head *head)
 {
     r->returns = true;
     r->saved_step = head->step;
@@ -84,11 +122,11 @@ void robot_take_up(struct robot *r, const struct checkpoint_head *head)
 static bool mind_return(struct robot *r)
 {
     struct checkpoint_head head;
-    struct passport p;
+    struct snapshot_header p;
     if (!mind_restored(r, &head, &p)) {
         return false;
     }
-    robot_take_up(r, &head);
+    robot_mind_take_up(r, &head);
     r->returns_as = p.state;
     r->passage = p.passage;
     r->mails = p.mails;
@@ -97,8 +135,8 @@ static bool mind_return(struct robot *r)
 
 static mu_result mind_make(struct robot *r, const char *folder)
 {
-    const struct settings *set = r->crew->set;
-    struct mind_options options = robot_options(r, folder);
+    const struct robot_options *set = r->group->set;
+    struct mind_options options = robot_mind_options(r, folder);
     struct mu_fault fault;
     mu_result made = mind_begin(r->mind, &options, &fault);
     made = made == MU_OK ? mind_load(r->mind, set->rules, &fault) : made;
@@ -109,42 +147,42 @@ static mu_result mind_make(struct robot *r, const char *folder)
     return globals_set(r->mind, &set->globals);
 }
 
-mu_result robot_think(struct robot *r)
+mu_result robot_mind_make(struct robot *r)
 {
-    bool restore = r->crew->set->checkpoints.restore;
+    bool restore = r->group->set->checkpoints.restore;
     r->mind = mind_reserve();
     r->native = true;
     aside_open(r, restore);
     if (restore && mind_return(r)) {
         return MU_OK;
     }
-    if (restore && checkpoint_is_gone(r->crew, r->name)) {
+    if (restore && checkpoint_is_gone(r->group, r->name)) {
         mu_log(MU_LOG_INFO, "gone", "name=%s", r->name);
         r->out = true;
         return MU_OK;
     }
-    return mind_make(r, r->crew->rules_folder);
+    return mind_make(r, r->group->rules_folder);
 }
 
 /* @return whether it has a mind again */
 static bool mind_again(struct robot *r, const char **made_of)
 {
-    const struct settings *set = r->crew->set;
+    const struct robot_options *set = r->group->set;
     struct checkpoint_head head;
-    struct passport p;
+    struct snapshot_header p;
     mind_close(r->mind);
     *made_of = "checkpoint";
     if (set->checkpoints.every_s > 0 && mind_restored(r, &head, &p)) {
         return true;
     }
     *made_of = "rules";
-    return set->rules && mind_make(r, r->crew->rules_folder) == MU_OK;
+    return set->rules && mind_make(r, r->group->rules_folder) == MU_OK;
 }
 
-bool robot_mend(struct robot *r)
+bool robot_mind_mend(struct robot *r)
 {
     const char *made_of;
-    if (!mind_is_broken(r->mind) || r->mends >= r->crew->set->mends_max) {
+    if (!mind_is_broken(r->mind) || r->mends >= r->group->set->mends_max) {
         return false;
     }
     r->mends++;

@@ -13,8 +13,8 @@ static const uint64_t PIECE_NS = 5000000000;
 void arrivals_reserve(struct host *h)
 {
     for (size_t i = 0; i < HOST_ARRIVALS; i++) {
-        char *bytes = mu_startup_alloc(TRIP_CAPSULE_MAX);
-        mu_text_init(&h->arrivals[i].text, bytes, TRIP_CAPSULE_MAX);
+        char *bytes = mu_startup_alloc(MIGRATION_SNAPSHOT_MAX);
+        mu_text_init(&h->arrivals[i].text, bytes, MIGRATION_SNAPSHOT_MAX);
     }
 }
 
@@ -44,7 +44,7 @@ static struct arrival *arrival_begin(struct host *h, const struct mu_mail *mail,
 {
     for (size_t i = 0; i < HOST_ARRIVALS; i++) {
         struct arrival *a = &h->arrivals[i];
-        bool held = a->deposited && mu_process_in_lockstep(h->crew.process);
+        bool held = a->deposited && mu_process_in_lockstep(h->group.process);
         if (!a->used || (!held && mu_clock_ns() > a->until_ns)) {
             fill(a, mail);
             a->used = true;
@@ -69,7 +69,7 @@ static void refuse(struct host *h, const struct mu_mail *mail, const char *why)
 static void arrival_end(struct host *h, struct arrival *a)
 {
     char why[MU_FAULT_TEXT_MAX + 1];
-    bool lockstep = mu_process_in_lockstep(h->crew.process);
+    bool lockstep = mu_process_in_lockstep(h->group.process);
     a->used = lockstep && host_deposit(h, a, why);
     if (!a->used && (lockstep || !host_take_in(h, a, why))) {
         mu_log(MU_LOG_WARNING, "arrival-refused", "from=%s: %s", a->src, why);
@@ -87,7 +87,7 @@ void arrival_take(struct host *h, const struct mu_mail *mail)
         refuse(h, mail, "expected a piece of a capsule");
         return;
     }
-    if (total > (size_t)h->set->bytes || total >= TRIP_CAPSULE_MAX) {
+    if (total > (size_t)h->set->bytes || total >= MIGRATION_SNAPSHOT_MAX) {
         if (number == 0) {
             refuse(h, mail, "too-large");
         }

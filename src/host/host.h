@@ -3,13 +3,14 @@
  * @file host.h
  * A platform: a crew whose robots come and go.
  *
- * host.c has the agents in it, arrival.c what comes in pieces, native.c who begins here.
+ * accept.c takes agents in, arrival.c has what comes in pieces, native.c who begins here, host.c
+ * the platform itself.
  */
 #ifndef MUSTER_HOST_HOST_H
 #define MUSTER_HOST_HOST_H
 
 #include "agent/robot.h"
-#include "host/host_settings.h"
+#include "host/host_options.h"
 
 #include <limits.h>
 
@@ -30,8 +31,8 @@ struct arrival {
 };
 
 struct host {
-    struct crew crew; /* first: a robot's crew is the host */
-    const struct host_settings *set;
+    struct group_process group; /* first: a robot's crew is the host */
+    const struct host_options *set;
     char folder[PATH_MAX]; /* of the shared rules */
     mu_agent *agent;
     struct arrival arrivals[HOST_ARRIVALS];
@@ -43,10 +44,25 @@ struct host {
 /* host.c */
 
 /** Takes the memory of a host. */
-struct host *host_make(const struct host_settings *set);
+struct host *host_make(const struct host_options *set);
 
 /** Lets the host join its process.  @return as mu_agent_join */
 MU_MUST_USE mu_result host_join(struct host *h);
+
+/** Takes what the broker says: of one that comes, or is not to, or is on its way from here. */
+void host_hear(void *self, const muster_Trip *word);
+
+/** Takes in all agents that have a checkpoint.  @return how many */
+uint32_t host_restore(struct host *h);
+
+/* accept.c */
+
+/** Answers who has sent an agent. */
+void host_answer(struct host *h, const struct arrival *a, const char *performative,
+                 const char *text);
+
+/** @return the arrival of that name that the broker has, or NULL */
+struct arrival *host_find_deposited(struct host *h, const char *name);
 
 /**
  * Makes an agent of what has come whole, and lets it ask for its name.
@@ -65,16 +81,6 @@ struct robot *host_take_in(struct host *h, const struct arrival *a,
  * @return whether it is on its way
  */
 bool host_deposit(struct host *h, struct arrival *a, char why[MU_FAULT_TEXT_MAX + 1]);
-
-/** Takes what the broker says: of one that comes, or is not to, or is on its way from here. */
-void host_hear(void *self, const muster_Trip *word);
-
-/** Takes in all agents that have a checkpoint.  @return how many */
-uint32_t host_restore(struct host *h);
-
-/** Answers who has sent an agent. */
-void host_answer(struct host *h, const struct arrival *a, const char *performative,
-                 const char *text);
 
 /* launch.c */
 

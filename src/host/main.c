@@ -18,20 +18,20 @@ static mu_result host_connect(struct host *h)
     struct mu_process_options options = {.domain = (int)network->domain,
                                          .interface = network->interface,
                                          .peer = mu_network_peers(network),
-                                         .name = h->crew.host,
+                                         .name = h->group.host,
                                          .broker = network->broker,
-                                         .agents = h->crew.count + 1, /* itself */
+                                         .agents = h->group.count + 1, /* itself */
                                          .with_body = true};
-    MU_TRY(mu_process_open(&h->crew.process, &options));
+    MU_TRY(mu_process_open(&h->group.process, &options));
     MU_TRY(host_join(h));
     MU_TRY(natives_begin(h));
-    return join_await(h->crew.process, network, "muster host", options.domain);
+    return join_await(h->group.process, network, "muster host", options.domain);
 }
 
 static void host_save(void *self)
 {
     struct host *h = self;
-    checkpoint_round(&h->crew);
+    checkpoint_round(&h->group);
 }
 
 /* Whom nobody has is asked for again and again: who has it dies when it likes. */
@@ -41,9 +41,9 @@ static void orphans_ask(struct host *h)
     char name[MU_NAME_MAX + 1];
     muster_Trip wanted = {.word = muster_TRIP_WANTED, .host = name};
     uint64_t now_ns = mu_clock_ns();
-    (void)mu_text_copy(name, sizeof name, h->crew.host);
+    (void)mu_text_copy(name, sizeof name, h->group.host);
     if (h->set->robots.checkpoints.restore && now_ns - h->asked_ns > ASK_NS &&
-        trips_say(h->crew.process, &wanted) == MU_OK) {
+        trips_say(h->group.process, &wanted) == MU_OK) {
         h->asked_ns = now_ns;
     }
 }
@@ -51,29 +51,29 @@ static void orphans_ask(struct host *h)
 static void step_end(void *self)
 {
     struct host *h = self;
-    trip_step_end(&h->crew);
+    migration_step_end(&h->group);
 }
 
 static void step_answered(void *self)
 {
     struct host *h = self;
-    trip_step_answered(&h->crew);
-    checkpoint_forget(&h->crew);
+    migration_step_answered(&h->group);
+    checkpoint_forget(&h->group);
 }
 
 static void host_round(void *self)
 {
     struct host *h = self;
-    trip_round(&h->crew);
-    checkpoint_round(&h->crew);
-    checkpoint_forget(&h->crew);
+    migration_round(&h->group);
+    checkpoint_round(&h->group);
+    checkpoint_forget(&h->group);
     orphans_ask(h);
 }
 
 int main(int argc, char **argv)
 {
-    const struct host_settings *set;
-    mu_result parsed = host_settings_parse(&set, argc, argv);
+    const struct host_options *set;
+    mu_result parsed = host_options_read(&set, argc, argv);
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
     }
@@ -84,8 +84,8 @@ int main(int argc, char **argv)
                         "folder that has muster.clp\n");
         return MU_EXIT_FILE;
     }
-    h->crew.rules_folder = h->folder;
-    mu_result ready = robot_map_open(&h->crew);
+    h->group.rules_folder = h->folder;
+    mu_result ready = robot_mind_open_map(&h->group);
     ready = ready == MU_OK ? host_connect(h) : ready;
     if (ready != MU_OK) {
         return mu_exit_for(ready);
@@ -95,18 +95,18 @@ int main(int argc, char **argv)
                              .on_trip = host_hear,
                              .on_step_end = step_end,
                              .on_answered = step_answered};
-    trips_listen(h->crew.process, &listener);
+    trips_listen(h->group.process, &listener);
     if (set->robots.checkpoints.restore && set->robots.checkpoints.folder) {
         mu_log(MU_LOG_INFO, "restored", "agents=%u", host_restore(h));
     }
-    mu_process_each_round(h->crew.process, host_round, h);
-    process_before_up(h->crew.process, host_save, h);
+    mu_process_each_round(h->group.process, host_round, h);
+    process_before_up(h->group.process, host_save, h);
     mind_watchdog();
     mu_memory_seal();
-    mu_result ran = mu_process_run(h->crew.process);
-    mu_process_close(h->crew.process);
-    for (uint32_t i = 0; i < h->crew.count; i++) {
-        robot_print_rest(&h->crew.robots[i]);
+    mu_result ran = mu_process_run(h->group.process);
+    mu_process_close(h->group.process);
+    for (uint32_t i = 0; i < h->group.count; i++) {
+        ports_print_rest(&h->group.robots[i]);
     }
-    return h->crew.refused ? MU_EXIT_REFUSED : mu_exit_for(ran);
+    return h->group.refused ? MU_EXIT_REFUSED : mu_exit_for(ran);
 }

@@ -33,7 +33,7 @@ static mu_result globals_set(const struct host *h, struct robot *r)
     for (size_t i = 0; i < globals->count && set == MU_OK; i++) {
         const char *word = globals->items[i];
         if (strncmp(word, r->name, len) == 0 && word[len] == '.') {
-            set = robot_set_global(r->mind, word + len + 1);
+            set = robot_mind_set_global(r->mind, word + len + 1);
         }
     }
     return set;
@@ -42,7 +42,7 @@ static mu_result globals_set(const struct host *h, struct robot *r)
 static mu_result mind_make(struct host *h, struct robot *r, const char *file)
 {
     struct mu_fault fault;
-    struct mind_options options = robot_options(r, h->folder);
+    struct mind_options options = robot_mind_options(r, h->folder);
     options.rules_file = file;
     mu_result made = mind_begin(r->mind, &options, &fault);
     made = made == MU_OK ? mind_load(r->mind, file, &fault) : made;
@@ -68,26 +68,26 @@ bool natives_have(const struct host *h, const char *name)
 mu_result natives_begin(struct host *h)
 {
     const struct mu_option_list *natives = &h->set->natives;
-    const struct checkpoint_settings *set = &h->set->robots.checkpoints;
-    if (natives->count > h->crew.count) {
+    const struct checkpoint_options *set = &h->set->robots.checkpoints;
+    if (natives->count > h->group.count) {
         fprintf(stderr, "muster host: there is room for %u agents (--agents)\n",
-                (unsigned)h->crew.count);
+                (unsigned)h->group.count);
         return MU_FAULT_USAGE;
     }
     for (size_t i = 0; i < natives->count; i++) {
-        struct robot *r = &h->crew.robots[i];
+        struct robot *r = &h->group.robots[i];
         const char *file = native_read(natives->items[i], r->name);
         if (!file) {
             return MU_FAULT_USAGE;
         }
         if (set->restore &&
-            (checkpoint_is_there(&h->crew, r->name) || checkpoint_is_gone(&h->crew, r->name))) {
+            (checkpoint_is_there(&h->group, r->name) || checkpoint_is_gone(&h->group, r->name))) {
             continue; /* it comes back from there, or is not to */
         }
         r->out = false;
         r->native = true;
         MU_TRY(mind_make(h, r, file));
-        MU_TRY(robot_join(r));
+        MU_TRY(agent_join(r));
     }
     return MU_OK;
 }

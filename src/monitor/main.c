@@ -19,9 +19,9 @@ enum { WORLD_MAX = 64 };
 static const int64_t ROUND_NS = 50000000;
 
 static struct monitor {
-    struct settings set;
+    struct robot_options set;
     bool latest, stays;
-    struct crew *crew;
+    struct group_process *group;
     struct robot *self; /* the crew's only one */
     mu_watch *watch;
     mu_stats *stats;
@@ -52,11 +52,11 @@ static void rules_fire(void)
         mu_log(MU_LOG_WARNING, "suspended", "name=%s why=%s", r->name, act.enough);
         mu_agent_suspend(r->agent, act.enough);
     }
-    robot_do_wish(r, r->agent);
+    lifecycle_do_wish(r, r->agent);
     if (mind_travel(r->mind).kind == MIND_DISPOSES) {
         mu_agent_set_state(r->agent, MU_GONE);
     }
-    robot_console_offer(r);
+    console_offer(r);
 }
 
 static void step_tell(const struct mu_frame *f)
@@ -134,16 +134,16 @@ static const struct mu_layer_handler monitor_handlers[] = {
     {0, NULL, NULL},
 };
 static const struct mu_agent_kind monitor_kind = {
-    .name = "monitor", .parent = &robot_kind, .handlers = monitor_handlers};
+    .name = "monitor", .parent = &handlers_robot_kind, .handlers = monitor_handlers};
 
 static void on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     bool journey =
         strcmp(mail->performative, "move") == 0 || strcmp(mail->performative, "clone") == 0;
     if (!journey) {
-        robot_on_directive(self, a, mail);
+        mail_on_directive(self, a, mail);
     } else {
-        robot_refuse_directive(a, mail);
+        mail_refuse_directive(a, mail);
     }
 }
 
@@ -151,14 +151,14 @@ static mu_result monitor_join(void)
 {
     struct robot *r = monitor.self;
     struct mu_handlers handlers = {.self = r,
-                                   .on_registered = robot_on_registered,
-                                   .on_mail = robot_on_mail,
+                                   .on_registered = lifecycle_on_registered,
+                                   .on_mail = mail_on_mail,
                                    .on_directive = on_directive,
-                                   .on_state = robot_on_state,
-                                   .on_refusal = robot_on_refusal};
-    MU_TRY(mu_agent_join(r->crew->process, &r->agent, r->name, MU_KIND_SPECIAL, 0, &handlers));
+                                   .on_state = lifecycle_on_state,
+                                   .on_refusal = lifecycle_on_refusal};
+    MU_TRY(mu_agent_join(r->group->process, &r->agent, r->name, MU_KIND_SPECIAL, 0, &handlers));
     mu_agent_be(r->agent, &monitor_kind);
-    returns_hear(r->agent, robot_on_return);
+    returns_hear(r->agent, lifecycle_on_return);
     mu_agent_decline_broadcasts(r->agent); /* it sees them anyway */
     return MU_OK;
 }
@@ -177,9 +177,9 @@ static mu_result monitor_open(void)
         .latest = monitor.latest,
         .handlers = {.on_scene = on_scene, .on_step = on_step, .on_end = on_end}};
     monitor.stats = mu_stats_open();
-    MU_TRY(mu_process_open(&monitor.crew->process, &process));
+    MU_TRY(mu_process_open(&monitor.group->process, &process));
     MU_TRY(monitor_join());
-    return mu_watch_open(&monitor.watch, monitor.crew->process, &watch);
+    return mu_watch_open(&monitor.watch, monitor.group->process, &watch);
 }
 
 /* Its rules come behind the templates of what it is told. */
@@ -200,7 +200,7 @@ static mu_result monitor_think(void)
                                    .rules_file = monitor.set.rules,
                                    .firings_max = (uint32_t)monitor.set.firings_max,
                                    .failures_max = (uint32_t)monitor.set.failures_max,
-                                   .ports = robot_ports(r)};
+                                   .ports = ports_of(r)};
     mu_result made = mind_open(&r->mind, &options, &fault);
     made = made == MU_OK ? mind_load(r->mind, path, &fault) : made;
     made = made == MU_OK ? mind_load(r->mind, monitor.set.rules, &fault) : made;
@@ -318,10 +318,10 @@ int main(int argc, char **argv)
         return mu_exit_for(parsed);
     }
     mu_log_open(monitor.set.name, monitor.set.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
-    monitor.crew = mu_startup_alloc(sizeof *monitor.crew);
-    robot_reserve_crew(monitor.crew, &monitor.set, 1, "");
-    monitor.crew->prints = true;
-    monitor.self = &monitor.crew->robots[0];
+    monitor.group = mu_startup_alloc(sizeof *monitor.group);
+    agent_reserve(monitor.group, &monitor.set, 1, "");
+    monitor.group->prints = true;
+    monitor.self = &monitor.group->robots[0];
     (void)mu_text_copy(monitor.self->name, sizeof monitor.self->name, monitor.set.name);
     mu_result ready = monitor_think();
     ready = ready == MU_OK ? monitor_open() : ready;
@@ -331,7 +331,7 @@ int main(int argc, char **argv)
     mu_memory_seal();
     mu_result ran = monitor_run();
     mu_watch_close(monitor.watch);
-    mu_process_close(monitor.crew->process);
-    robot_print_rest(monitor.self);
-    return monitor.crew->refused ? MU_EXIT_REFUSED : mu_exit_for(ran);
+    mu_process_close(monitor.group->process);
+    ports_print_rest(monitor.self);
+    return monitor.group->refused ? MU_EXIT_REFUSED : mu_exit_for(ran);
 }

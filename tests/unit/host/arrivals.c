@@ -20,9 +20,9 @@
 enum { PLACES = 3, REFUSALS = 100 };
 
 static mu_process process;
-static struct host_settings settings;
+static struct host_options host_set;
 static struct host *host;
-static char bytes[TRIP_CAPSULE_MAX], why[MU_FAULT_TEXT_MAX + 1];
+static char bytes[MIGRATION_SNAPSHOT_MAX], why[MU_FAULT_TEXT_MAX + 1];
 static struct mu_text text;
 
 static void host_begin_for(uint32_t places)
@@ -30,10 +30,10 @@ static void host_begin_for(uint32_t places)
     memset(&process, 0, sizeof process);
     process.with_body = true;
     process_take_memory(&process, places + 1, 0);
-    settings = (struct host_settings){.agents = places, .bytes = TRIP_CAPSULE_MAX - 1};
-    settings.robots.name = "north";
-    host = host_make(&settings);
-    host->crew.process = &process;
+    host_set = (struct host_options){.agents = places, .bytes = MIGRATION_SNAPSHOT_MAX - 1};
+    host_set.robots.name = "north";
+    host = host_make(&host_set);
+    host->group.process = &process;
     (void)mu_text_copy(host->folder, sizeof host->folder, "rules");
     CU_ASSERT_EQUAL_FATAL(host_join(host), MU_OK);
 }
@@ -44,12 +44,13 @@ static void host_begin(void)
 }
 
 /* A passport; what stands behind it is added by whoever wants it. */
-static void passport_write(enum trip_purpose purpose, const char *name, uint64_t epoch)
+static void header_write(enum migration_purpose purpose, const char *name, uint64_t epoch)
 {
-    struct passport p = {.purpose = purpose, .state = MU_RUNNING, .passage = {.epoch = epoch}};
+    struct snapshot_header p = {
+        .purpose = purpose, .state = MU_RUNNING, .passage = {.epoch = epoch}};
     (void)mu_text_copy(p.name, sizeof p.name, name);
     mu_text_init(&text, bytes, sizeof bytes);
-    passport_add(&text, &p);
+    snapshot_header_add(&text, &p);
 }
 
 static mu_result nothing_sent(void *self, const struct mind_letter *letter)
@@ -74,7 +75,7 @@ static void mover_write(const char *name, uint64_t epoch)
                                    .ports = {.send = nothing_sent, .print = nothing_printed}};
     mind = mind ? mind : mind_reserve();
     mind_close(mind);
-    passport_write(TRIP_MOVE, name, epoch);
+    header_write(MIGRATION_MOVE, name, epoch);
     mu_text_init(&capsule, text.at + text.len, text.size - text.len);
     CU_ASSERT_EQUAL_FATAL(mind_begin(mind, &options, &fault), MU_OK);
     CU_ASSERT_EQUAL_FATAL(mind_save(mind, &capsule, &fault), MU_OK);
@@ -83,7 +84,7 @@ static void mover_write(const char *name, uint64_t epoch)
 
 static void launch_write(const char *name, const char *rules)
 {
-    passport_write(TRIP_LAUNCH, name, 0);
+    header_write(MIGRATION_LAUNCH, name, 0);
     mu_text_add(&text, rules);
 }
 
@@ -98,8 +99,8 @@ static struct robot *take(void)
 static uint32_t places_used(void)
 {
     uint32_t used = 0;
-    for (uint32_t i = 0; i < host->crew.count; i++) {
-        used += !host->crew.robots[i].out;
+    for (uint32_t i = 0; i < host->group.count; i++) {
+        used += !host->group.robots[i].out;
     }
     return used;
 }
@@ -108,8 +109,8 @@ static uint32_t places_used(void)
 static size_t minds_held(void)
 {
     size_t held = 0;
-    for (uint32_t i = 0; i < host->crew.count; i++) {
-        held += host->crew.robots[i].mind->heap.held;
+    for (uint32_t i = 0; i < host->group.count; i++) {
+        held += host->group.robots[i].mind->heap.held;
     }
     return held;
 }
@@ -144,7 +145,7 @@ static void test_one_that_lives_here_stays(void)
     mover_write("red", 1);
     struct robot *r = take();
     CU_ASSERT_PTR_NOT_NULL_FATAL(r);
-    robot_on_registered(r, r->agent, true, "");
+    lifecycle_on_registered(r, r->agent, true, "");
     CU_ASSERT_FALSE(r->arrives);
     mover_write("red", 2);
     CU_ASSERT_PTR_NULL(take());
@@ -208,14 +209,14 @@ static void team_begin(uint32_t count)
         mover_write(name, 1);
         struct robot *r = take();
         CU_ASSERT_PTR_NOT_NULL_FATAL(r);
-        robot_on_registered(r, r->agent, true, "");
+        lifecycle_on_registered(r, r->agent, true, "");
     }
 }
 
 static mu_result set_out(struct robot *r)
 {
     struct mind_travel south = {.kind = MIND_MOVES, .host = "south"};
-    return trip_begin(r, &south, NULL);
+    return migration_begin(r, &south, NULL);
 }
 
 static bool has_heard(struct robot *r, const char *fact)
@@ -227,11 +228,11 @@ static bool has_heard(struct robot *r, const char *fact)
     return mind_facts(r->mind, "event", &out) == MU_OK && strstr(said, fact);
 }
 
-static uint32_t trips_in(enum trip_phase phase)
+static uint32_t trips_in(enum migration_phase phase)
 {
     uint32_t count = 0;
-    for (uint32_t i = 0; i < host->crew.trips_max; i++) {
-        count += host->crew.trips[i].robot && host->crew.trips[i].phase == phase;
+    for (uint32_t i = 0; i < host->group.migrations_max; i++) {
+        count += host->group.migrations[i].robot && host->group.migrations[i].phase == phase;
     }
     return count;
 }
@@ -239,17 +240,17 @@ static uint32_t trips_in(enum trip_phase phase)
 static void test_an_agent_makes_one_journey_at_a_time(void)
 {
     team_begin(2);
-    struct robot *red = &host->crew.robots[0], *blue = &host->crew.robots[1];
+    struct robot *red = &host->group.robots[0], *blue = &host->group.robots[1];
     CU_ASSERT_EQUAL(set_out(red), MU_OK);
     CU_ASSERT_EQUAL(set_out(red), MU_REFUSED);
     CU_ASSERT_EQUAL(set_out(blue), MU_OK);
     CU_ASSERT_TRUE(has_heard(red, "(event refused moveTo south busy)"));
     CU_ASSERT_FALSE(has_heard(blue, "refused"));
-    CU_ASSERT_EQUAL(trips_in(TRIP_DEPARTS), 2);
-    trip_step_end(&host->crew);
-    CU_ASSERT_EQUAL(trips_in(TRIP_DEPOSITED), 2);
-    trip_step_answered(&host->crew);
-    CU_ASSERT_EQUAL(trips_in(TRIP_KEPT), 2);
+    CU_ASSERT_EQUAL(trips_in(MIGRATION_DEPARTS), 2);
+    migration_step_end(&host->group);
+    CU_ASSERT_EQUAL(trips_in(MIGRATION_DEPOSITED), 2);
+    migration_step_answered(&host->group);
+    CU_ASSERT_EQUAL(trips_in(MIGRATION_KEPT), 2);
     CU_ASSERT_TRUE(process.trips.under_way);
 }
 
@@ -257,7 +258,7 @@ static void test_an_agent_makes_one_journey_at_a_time(void)
 static void test_words_reach_whom_they_are_about(void)
 {
     team_begin(2);
-    struct robot *red = &host->crew.robots[0], *blue = &host->crew.robots[1];
+    struct robot *red = &host->group.robots[0], *blue = &host->group.robots[1];
     muster_Trip word = {.word = muster_TRIP_REFUSED,
                         .agent = words("w_1"),
                         .asker = words(""),
@@ -265,14 +266,14 @@ static void test_words_reach_whom_they_are_about(void)
                         .reason = words("full")};
     CU_ASSERT_EQUAL(set_out(red), MU_OK);
     CU_ASSERT_EQUAL(set_out(blue), MU_OK);
-    trip_step_end(&host->crew);
-    trip_step_answered(&host->crew);
+    migration_step_end(&host->group);
+    migration_step_answered(&host->group);
     host_hear(host, &word);
-    CU_ASSERT_EQUAL(trips_in(TRIP_KEPT), 2);
+    CU_ASSERT_EQUAL(trips_in(MIGRATION_KEPT), 2);
     word.epoch = 2;
     host_hear(host, &word);
-    CU_ASSERT_EQUAL(trips_in(TRIP_KEPT), 1);
-    CU_ASSERT(trip_holds(red) && !blue->trip);
+    CU_ASSERT_EQUAL(trips_in(MIGRATION_KEPT), 1);
+    CU_ASSERT(agent_is_away(red) && !blue->migration);
     CU_ASSERT_EQUAL(mu_agent_state(blue->agent), MU_RUNNING);
     CU_ASSERT_EQUAL(mu_agent_state(red->agent), MU_MOVING);
     CU_ASSERT_TRUE(process.trips.under_way);
@@ -281,30 +282,30 @@ static void test_words_reach_whom_they_are_about(void)
 static void test_limit_journeys(void)
 {
     team_begin(MU_CAPSULES_MAX + 1);
-    struct robot *last = &host->crew.robots[MU_CAPSULES_MAX];
+    struct robot *last = &host->group.robots[MU_CAPSULES_MAX];
     for (int i = 0; i < MU_CAPSULES_MAX; i++) {
-        CU_ASSERT_EQUAL(set_out(&host->crew.robots[i]), MU_OK);
+        CU_ASSERT_EQUAL(set_out(&host->group.robots[i]), MU_OK);
     }
     CU_ASSERT_EQUAL(set_out(last), MU_REFUSED);
     CU_ASSERT_TRUE(has_heard(last, "(event refused moveTo south busy)"));
-    trip_step_end(&host->crew);
-    CU_ASSERT_EQUAL(trips_in(TRIP_DEPOSITED), MU_CAPSULES_MAX);
+    migration_step_end(&host->group);
+    CU_ASSERT_EQUAL(trips_in(MIGRATION_DEPOSITED), MU_CAPSULES_MAX);
 }
 
 /* The second of two that do not fit goes with the next answer. */
 static void test_limit_bytes_of_an_answer(void)
 {
-    static char much[TRIP_ANSWER_MAX];
+    static char much[MIGRATION_ANSWER_MAX];
     team_begin(1);
     muster_Trip word = {.word = muster_TRIP_NEW, .agent = words("ruby"), .text = much};
     memset(much, 'x', sizeof much - 1);
-    CU_ASSERT_EQUAL(set_out(&host->crew.robots[0]), MU_OK);
+    CU_ASSERT_EQUAL(set_out(&host->group.robots[0]), MU_OK);
     CU_ASSERT_EQUAL(trips_say(&process, &word), MU_OK);
-    trip_step_end(&host->crew);
-    CU_ASSERT_EQUAL(trips_in(TRIP_DEPARTS), 1);
+    migration_step_end(&host->group);
+    CU_ASSERT_EQUAL(trips_in(MIGRATION_DEPARTS), 1);
     trips_sent(&process, 1);
-    trip_step_end(&host->crew);
-    CU_ASSERT_EQUAL(trips_in(TRIP_DEPOSITED), 1);
+    migration_step_end(&host->group);
+    CU_ASSERT_EQUAL(trips_in(MIGRATION_DEPOSITED), 1);
 }
 
 static void test_limit_words(void)
@@ -365,10 +366,10 @@ static void host_begin_with_files(void)
 {
     static const char *const natives[] = {"red=red.clp"};
     host_begin();
-    settings.robots.checkpoints = (struct checkpoint_settings){.every_s = 60, .folder = folder};
-    settings.natives = (struct mu_option_list){.count = 1};
-    settings.natives.items[0] = natives[0];
-    checkpoint_reserve(&host->crew);
+    host_set.robots.checkpoints = (struct checkpoint_options){.every_s = 60, .folder = folder};
+    host_set.natives = (struct mu_option_list){.count = 1};
+    host_set.natives.items[0] = natives[0];
+    checkpoint_reserve(&host->group);
 }
 
 static void test_the_file_of_who_was_there_before_goes(void)
@@ -379,7 +380,7 @@ static void test_the_file_of_who_was_there_before_goes(void)
     struct robot *r = take();
     CU_ASSERT_PTR_NOT_NULL_FATAL(r);
     CU_ASSERT_TRUE(is_there("ruby.capsule"));
-    robot_drop(r);
+    group_process_drop(r);
     mover_write("rosa", 1); /* in the same breath, and in the same place */
     CU_ASSERT_PTR_EQUAL(take(), r);
     CU_ASSERT_FALSE(is_there("ruby.capsule"));
@@ -394,8 +395,8 @@ static void test_who_began_here_and_is_refused_does_not_begin_anew(void)
     struct robot *r = take();
     CU_ASSERT_PTR_NOT_NULL_FATAL(r);
     CU_ASSERT_TRUE(is_there("red.capsule"));
-    robot_on_registered(r, r->agent, false, "held");
-    checkpoint_forget(&host->crew);
+    lifecycle_on_registered(r, r->agent, false, "held");
+    checkpoint_forget(&host->group);
     CU_ASSERT_FALSE(is_there("red.capsule"));
     CU_ASSERT_TRUE(is_there("red.gone"));
 }
@@ -408,10 +409,10 @@ static void test_who_comes_back_in_vain_loses_its_file(void)
     CU_ASSERT_PTR_NOT_NULL(take());
     host_begin_with_files();
     CU_ASSERT_EQUAL(host_restore(host), 1);
-    struct robot *r = &host->crew.robots[0];
+    struct robot *r = &host->group.robots[0];
     CU_ASSERT_TRUE_FATAL(r->arrives);
-    robot_on_registered(r, r->agent, false, "held");
-    checkpoint_forget(&host->crew);
+    lifecycle_on_registered(r, r->agent, false, "held");
+    checkpoint_forget(&host->group);
     CU_ASSERT_FALSE(is_there("ruby.capsule"));
     CU_ASSERT_FALSE(is_there("ruby.gone"));
 }

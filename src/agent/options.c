@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "agent/settings.h"
-
+#include "agent/options.h"
 #include "core/attributes.h"
 #include "core/name.h"
 #include "core/text.h"
@@ -8,7 +7,16 @@
 #include <stdio.h>
 #include <string.h>
 
-const char *settings_service(const char *service, char name[MU_NAME_MAX + 2])
+mu_result options_check_checkpoints(const struct checkpoint_options *set, const char *program)
+{
+    if (set->every_s > 0 && !set->folder) {
+        fprintf(stderr, "%s: --checkpoint needs --folder DIR\n", program);
+        return MU_FAULT_USAGE;
+    }
+    return MU_OK;
+}
+
+const char *options_service(const char *service, char name[MU_NAME_MAX + 2])
 {
     size_t len = strcspn(service, " ");
     snprintf(name, MU_NAME_MAX + 2, "%.*s", (int)(len < MU_NAME_MAX + 1 ? len : MU_NAME_MAX + 1),
@@ -16,7 +24,7 @@ const char *settings_service(const char *service, char name[MU_NAME_MAX + 2])
     return service + len + strspn(service + len, " ");
 }
 
-static mu_result pages_check(const struct settings *set)
+static mu_result pages_check(const struct robot_options *set)
 {
     char name[MU_NAME_MAX + 2];
     for (size_t i = 0; i < set->groups.count; i++) {
@@ -27,7 +35,7 @@ static mu_result pages_check(const struct settings *set)
         }
     }
     for (size_t i = 0; i < set->services.count; i++) {
-        const char *attributes = settings_service(set->services.items[i], name);
+        const char *attributes = options_service(set->services.items[i], name);
         if (!mu_name_valid(name) || !mu_attributes_valid(attributes)) {
             fprintf(stderr, "muster robot --service: expected a service and its attributes, such "
                             "as 'mapper role=scout'\n");
@@ -37,12 +45,12 @@ static mu_result pages_check(const struct settings *set)
     return MU_OK;
 }
 
-uint32_t settings_robots(const struct settings *set)
+uint32_t options_robots(const struct robot_options *set)
 {
     return set->count > 0 ? (uint32_t)set->count : 1;
 }
 
-void settings_robot(const struct settings *set, uint32_t index, char name[MU_NAME_MAX + 1])
+void options_robot(const struct robot_options *set, uint32_t index, char name[MU_NAME_MAX + 1])
 {
     if (set->count > 0) {
         snprintf(name, MU_NAME_MAX + 1, "%s_%lld", set->name, (long long)set->first + index);
@@ -52,13 +60,13 @@ void settings_robot(const struct settings *set, uint32_t index, char name[MU_NAM
 }
 
 /* The last of many has the longest name. */
-static bool names_fit(const struct settings *set)
+static bool names_fit(const struct robot_options *set)
 {
     int len = snprintf(NULL, 0, "%s_%lld", set->name, (long long)(set->first + set->count - 1));
     return set->count == 0 || len <= MU_NAME_MAX;
 }
 
-static mu_result settings_check(const struct settings *set)
+static mu_result options_check(const struct robot_options *set)
 {
     if (!set->name || !set->rules) {
         fprintf(stderr, "muster robot: give it a name and rules, for example: "
@@ -80,7 +88,7 @@ static mu_result settings_check(const struct settings *set)
                 set->name, (long long)(set->first + set->count - 1), MU_NAME_MAX);
         return MU_FAULT_USAGE;
     }
-    MU_TRY(checkpoint_settings_check(&set->checkpoints, "muster robot"));
+    MU_TRY(options_check_checkpoints(&set->checkpoints, "muster robot"));
     if (set->checkpoints.restore && !set->checkpoints.folder) {
         fprintf(stderr, "muster robot: --restore needs --folder DIR\n");
         return MU_FAULT_USAGE;
@@ -88,35 +96,35 @@ static mu_result settings_check(const struct settings *set)
     return pages_check(set);
 }
 
-static struct settings settings;
+static struct robot_options options;
 
-static struct mu_option settings_table[] = {
-    MU_JOIN_OPTIONS(settings.network),
+static struct mu_option options_table[] = {
+    MU_JOIN_OPTIONS(options.network),
     {.name = "rules",
      .letter = 'r',
      .kind = MU_OPTION_STRING,
      .unit = "FILE",
      .help = "the robot's behaviour, a CLIPS file",
-     .target = &settings.rules},
+     .target = &options.rules},
     {.name = "world",
      .letter = 'w',
      .kind = MU_OPTION_STRING,
      .unit = "FILE",
      .help = "the world's file: the map for (plan x y)",
-     .target = &settings.world},
+     .target = &options.world},
     {.name = "count",
      .kind = MU_OPTION_INTEGER,
      .unit = "N",
      .fallback = "0",
      .help = "robots in one process, NAME_0 to NAME_(N-1); 0: one robot, NAME",
-     .target = &settings.count,
+     .target = &options.count,
      .max = MU_ROBOTS_MAX},
     {.name = "first",
      .kind = MU_OPTION_INTEGER,
      .unit = "K",
      .fallback = "0",
      .help = "with --count: the number of the first, for one of several processes",
-     .target = &settings.first,
+     .target = &options.first,
      .max = MU_ROBOTS_MAX},
     {.name = "seed",
      .kind = MU_OPTION_INTEGER,
@@ -124,13 +132,13 @@ static struct mu_option settings_table[] = {
      .fallback = "1",
      .environment = "MUSTER_SEED",
      .help = "seed of (random), together with the name",
-     .target = &settings.seed},
+     .target = &options.seed},
     {.name = "firings",
      .kind = MU_OPTION_INTEGER,
      .unit = "N",
      .fallback = "200",
      .help = "rules that fire in one control step at most",
-     .target = &settings.firings_max,
+     .target = &options.firings_max,
      .min = 1,
      .max = 1000000},
     {.name = "failures",
@@ -138,54 +146,54 @@ static struct mu_option settings_table[] = {
      .unit = "N",
      .fallback = "100",
      .help = "a rule that fails so often suspends the robot; 0: none does",
-     .target = &settings.failures_max,
+     .target = &options.failures_max,
      .max = 1000000},
     {.name = "diary",
      .kind = MU_OPTION_FLAG,
      .environment = "MUSTER_DIARY",
      .help = "let recordings have what goes on in its mind: facts, rules, causes",
-     .target = &settings.diary},
+     .target = &options.diary},
     {.name = "global",
      .kind = MU_OPTION_LIST,
      .unit = "NAME=VALUE",
      .help = "set a global, for example mate=red",
-     .target = &settings.globals},
+     .target = &options.globals},
     {.name = "group",
      .kind = MU_OPTION_LIST,
      .unit = "G",
      .help = "join a group when the broker knows the robot",
-     .target = &settings.groups},
+     .target = &options.groups},
     {.name = "service",
      .kind = MU_OPTION_LIST,
      .unit = "'S KEY=VALUE...'",
      .help = "offer a service, likewise, for example 'mapper role=scout'",
-     .target = &settings.services},
-    CHECKPOINT_OPTIONS(settings.checkpoints),
-    SETTINGS_MEND_OPTION(settings),
+     .target = &options.services},
+    OPTIONS_CHECKPOINT(options.checkpoints),
+    OPTIONS_MEND(options),
     {.name = "functions",
      .kind = MU_OPTION_FLAG,
      .help = "print the functions that rules may call, and exit",
-     .target = &settings.functions},
+     .target = &options.functions},
     {.name = "verbose",
      .letter = 'v',
      .kind = MU_OPTION_FLAG,
      .help = "log what happens",
-     .target = &settings.verbose},
+     .target = &options.verbose},
 };
 
-mu_result settings_parse(const struct settings **out, int argc, char **argv)
+mu_result options_read(const struct robot_options **out, int argc, char **argv)
 {
-    static struct mu_options options = {
+    static struct mu_options program = {
         .program = "muster robot",
         .usage = "NAME --rules FILE [OPTION...]",
         .about = "Controls robots by CLIPS rules; they wait in standby until told to start.",
-        .table = settings_table,
-        .count = sizeof settings_table / sizeof settings_table[0]};
-    mu_result parsed = mu_options_parse(&options, argc, argv);
-    *out = &settings;
-    if (parsed != MU_OK || settings.functions) {
+        .table = options_table,
+        .count = sizeof options_table / sizeof options_table[0]};
+    mu_result parsed = mu_options_parse(&program, argc, argv);
+    *out = &options;
+    if (parsed != MU_OK || options.functions) {
         return parsed;
     }
-    settings.name = options.words_count == 1 ? options.words[0] : NULL;
-    return settings_check(&settings);
+    options.name = program.words_count == 1 ? program.words[0] : NULL;
+    return options_check(&options);
 }

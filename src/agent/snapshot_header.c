@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What stands before a capsule. */
-#include "agent/trip.h"
+/* What stands before the snapshot of a mind. */
+#include "agent/robot.h"
 #include "core/name.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
-static const char *const purposes[TRIP_PURPOSES] = {
-    [TRIP_MOVE] = "move", [TRIP_CLONE] = "clone", [TRIP_LAUNCH] = "launch"};
+static const char *const purposes[MIGRATION_PURPOSES] = {
+    [MIGRATION_MOVE] = "move", [MIGRATION_CLONE] = "clone", [MIGRATION_LAUNCH] = "launch"};
 
-void passport_add(struct mu_text *out, const struct passport *p)
+void snapshot_header_add(struct mu_text *out, const struct snapshot_header *p)
 {
     mu_text_format(out,
                    "passport 2 %s %s %s %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64
@@ -20,11 +20,11 @@ void passport_add(struct mu_text *out, const struct passport *p)
                    p->rules_left, p->asker[0] ? p->asker : "-", p->reply_with);
 }
 
-static bool purpose_read(const char *word, enum trip_purpose *out)
+static bool purpose_read(const char *word, enum migration_purpose *out)
 {
-    for (int i = 0; i < TRIP_PURPOSES; i++) {
+    for (int i = 0; i < MIGRATION_PURPOSES; i++) {
         if (strcmp(word, purposes[i]) == 0) {
-            *out = (enum trip_purpose)i;
+            *out = (enum migration_purpose)i;
             return true;
         }
     }
@@ -45,7 +45,7 @@ static bool state_read(const char *word, enum mu_state *out)
 }
 
 /* Who asked, and the label of the question, which ends the line.  @return false: they do not fit */
-static bool asker_read(const char **text, struct passport *out)
+static bool asker_read(const char **text, struct snapshot_header *out)
 {
     char asker[MU_NAME_MAX + 2];
     int len = 0;
@@ -60,19 +60,19 @@ static bool asker_read(const char **text, struct passport *out)
            (mu_name_valid(asker) && mu_text_copy(out->asker, sizeof out->asker, asker));
 }
 
-bool passport_read(const char **text, struct passport *out)
+bool snapshot_header_read(const char **text, struct snapshot_header *out)
 {
     char purpose[16], name[MU_NAME_MAX + 2], state[16];
     int version = 0, len = 0;
-    *out = (struct passport){.purpose = TRIP_MOVE};
+    *out = (struct snapshot_header){.purpose = MIGRATION_MOVE};
     int read = sscanf(*text,
                       "passport %d %15s %32s %15s %" SCNu64 " %" SCNu64 " %" SCNu64 " %" SCNu64
                       " %" SCNu64 " %" SCNu64 " %" SCNu32 "%n",
                       &version, purpose, name, state, &out->passage.last_number,
                       &out->passage.handed, &out->passage.broker, &out->passage.epoch, &out->mails,
                       &out->seed, &out->rules_left, &len);
-    if (read != TRIP_FIELDS || version != 2 || !mu_name_valid(name) || mu_name_reserved(name) ||
-        !mu_text_copy(out->name, sizeof out->name, name)) {
+    if (read != SNAPSHOT_HEADER_FIELDS || version != 2 || !mu_name_valid(name) ||
+        mu_name_reserved(name) || !mu_text_copy(out->name, sizeof out->name, name)) {
         return false;
     }
     *text += len;
@@ -80,4 +80,18 @@ bool passport_read(const char **text, struct passport *out)
         return false;
     }
     return purpose_read(purpose, &out->purpose) && state_read(state, &out->state);
+}
+
+const char *agent_write(struct robot *r, const struct snapshot_header *p, struct mu_text *out,
+                        struct mu_fault *fault)
+{
+    struct mu_text rest;
+    mu_text_clear(out);
+    snapshot_header_add(out, p);
+    mu_text_init(&rest, out->at + out->len, out->size - out->len);
+    if (mind_save(r->mind, &rest, fault) != MU_OK) {
+        return fault->text;
+    }
+    out->len += rest.len;
+    return NULL;
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a mind asks of its robot. */
-#include "agent/pages.h"
 #include "agent/robot.h"
 #include "core/exits.h"
 #include "runtime/process.h"
@@ -42,7 +41,7 @@ static void member_fill(struct mind_member *to, const struct mu_member *from)
 static mu_result port_lookup(void *self, const char *name, struct mind_member *out)
 {
     struct robot *r = self;
-    const struct mu_member *member = mu_process_lookup(r->crew->process, name);
+    const struct mu_member *member = mu_process_lookup(r->group->process, name);
     if (!member) {
         return MU_ABSENT;
     }
@@ -53,7 +52,7 @@ static mu_result port_lookup(void *self, const char *name, struct mind_member *o
 static mu_result port_listing(void *self, size_t index, struct mind_member *out)
 {
     struct robot *r = self;
-    const struct mu_member *member = mu_process_member(r->crew->process, index);
+    const struct mu_member *member = mu_process_member(r->group->process, index);
     if (!member) {
         return MU_DONE;
     }
@@ -64,14 +63,29 @@ static mu_result port_listing(void *self, size_t index, struct mind_member *out)
 static mu_result port_change(void *self, enum mind_change change, const char *name,
                              const char *attributes)
 {
-    struct robot *r = self;
-    return pages_change(r->agent, change, name, attributes);
+    mu_agent *a = ((struct robot *)self)->agent;
+    switch (change) {
+    case MIND_GROUP_CREATE: return mu_agent_group_create(a, name);
+    case MIND_GROUP_JOIN: return mu_agent_group_join(a, name);
+    case MIND_GROUP_LEAVE: return mu_agent_group_leave(a, name);
+    case MIND_ADVERTISE: return mu_agent_advertise(a, name, attributes, 0);
+    case MIND_WITHDRAW: return mu_agent_withdraw(a, name);
+    }
+    return MU_MALFORMED;
 }
 
 static const char *port_entry(void *self, enum mind_list list, const char *of, size_t index)
 {
-    struct robot *r = self;
-    return pages_entry(r->crew->process, list, of, index);
+    const mu_process *p = ((struct robot *)self)->group->process;
+    const struct mu_service *service;
+    switch (list) {
+    case MIND_GROUPS: return mu_process_group(p, index);
+    case MIND_MEMBERS: return mu_process_group_member(p, of, index);
+    case MIND_PROVIDERS:
+        service = mu_process_find_service(p, of, index);
+        return service ? service->agent : NULL;
+    }
+    return NULL;
 }
 
 static const char *port_aside(void *self, size_t index)
@@ -88,7 +102,7 @@ static bool port_drop_aside(void *self, size_t index)
 static void print_flush(struct robot *r)
 {
     r->print[r->print_len++] = '\n';
-    int to = r->crew->prints ? STDOUT_FILENO : STDERR_FILENO;
+    int to = r->group->prints ? STDOUT_FILENO : STDERR_FILENO;
     ssize_t written = write(to, r->print, r->print_len);
     (void)written; /* nobody to tell */
     r->print_len = 0;
@@ -98,12 +112,12 @@ static void print_flush(struct robot *r)
 static void port_print(void *self, const char *text)
 {
     struct robot *r = self;
-    (void)robot_console_print(r, text); /* beside what is printed here */
+    (void)console_print(r, text); /* beside what is printed here */
     for (const char *c = text; *c; c++) {
         if (*c != '\n' && r->print_len == ROBOT_PRINT_MAX - 1) {
             print_flush(r);
         }
-        if (r->print_len == 0 && !r->crew->prints) {
+        if (r->print_len == 0 && !r->group->prints) {
             r->print_len = (size_t)snprintf(r->print, sizeof r->print, "%s: ", r->name);
         }
         if (*c == '\n') {
@@ -116,14 +130,14 @@ static void port_print(void *self, const char *text)
 
 static bool port_trace(void *self, const char *text)
 {
-    return robot_console_print(self, text);
+    return console_print(self, text);
 }
 
 static void port_work(void *self)
 {
     struct robot *r = self;
-    if (r->crew->process) { /* else it loads its rules, and is not there yet */
-        process_work(r->crew->process);
+    if (r->group->process) { /* else it loads its rules, and is not there yet */
+        process_work(r->group->process);
     }
 }
 
@@ -134,13 +148,13 @@ static int port_stuck(void *self, unsigned ms)
     if (process_is_told_to_end()) {
         return MU_EXIT_INTERRUPTED;
     }
-    if (ms < STUCK_MS || !r->crew->process) {
+    if (ms < STUCK_MS || !r->group->process) {
         return MIND_WAITS;
     }
-    return mu_process_in_lockstep(r->crew->process) ? MU_EXIT_CRASH : MIND_BREAKS;
+    return mu_process_in_lockstep(r->group->process) ? MU_EXIT_CRASH : MIND_BREAKS;
 }
 
-struct mind_ports robot_ports(struct robot *r)
+struct mind_ports ports_of(struct robot *r)
 {
     return (struct mind_ports){.self = r,
                                .send = port_send,
@@ -156,7 +170,7 @@ struct mind_ports robot_ports(struct robot *r)
                                .print = port_print};
 }
 
-void robot_print_rest(struct robot *r)
+void ports_print_rest(struct robot *r)
 {
     if (r->print_len > 0) {
         print_flush(r);

@@ -66,60 +66,60 @@ static bool trace_send(struct robot *r, struct console *c, const char *piece)
 /* Everything that its consoles have not been told of yet. */
 static void trace_flush(struct robot *r)
 {
-    struct crew *crew = r->crew;
-    char *piece = crew->answer; /* nobody answers just now */
+    struct group_process *group = r->group;
+    char *piece = group->answer; /* nobody answers just now */
     for (uint32_t i = 0; i < r->console_count; i++) {
         struct console *c = &r->consoles[i];
-        const char *at = crew->trace.at;
+        const char *at = group->trace.at;
         while (mu_pieces_next(&at, piece, ROBOT_ANSWER_MAX)) {
             c->lost += trace_send(r, c, piece) ? 0 : lines_count(piece);
         }
-        c->lost += crew->trace_cut;
+        c->lost += group->trace_cut;
     }
-    mu_text_clear(&crew->trace);
-    crew->trace_cut = 0;
-    crew->traced = NULL;
+    mu_text_clear(&group->trace);
+    group->trace_cut = 0;
+    group->traced = NULL;
 }
 
-void robot_console_flush(struct robot *r)
+void console_flush(struct robot *r)
 {
-    if (r->crew->traced == r) {
+    if (r->group->traced == r) {
         trace_flush(r);
     }
 }
 
-void robot_console_end(struct robot *r)
+void console_end(struct robot *r)
 {
     r->console_count = 0;
-    robot_console_flush(r); /* to nobody */
+    console_flush(r); /* to nobody */
 }
 
 /* At hundreds of steps a second each would be a mail, which nobody reads so fast. */
-void robot_console_offer(struct robot *r)
+void console_offer(struct robot *r)
 {
-    bool reads = r->crew->trace.len >= ROBOT_ANSWER_MAX;
+    bool reads = r->group->trace.len >= ROBOT_ANSWER_MAX;
     for (uint32_t i = 0; i < r->console_count; i++) {
         reads = reads || r->consoles[i].unread == 0;
     }
     if (reads) {
-        robot_console_flush(r);
+        console_flush(r);
     }
 }
 
-bool robot_console_print(struct robot *r, const char *text)
+bool console_print(struct robot *r, const char *text)
 {
-    struct crew *crew = r->crew;
+    struct group_process *group = r->group;
     if (r->console_count == 0) {
         return false;
     }
-    if (crew->traced && crew->traced != r) {
-        trace_flush(crew->traced);
+    if (group->traced && group->traced != r) {
+        trace_flush(group->traced);
     }
-    crew->traced = r;
-    if (crew->trace.len + strlen(text) < crew->trace.size) {
-        mu_text_add(&crew->trace, text);
+    group->traced = r;
+    if (group->trace.len + strlen(text) < group->trace.size) {
+        mu_text_add(&group->trace, text);
     } else {
-        crew->trace_cut += strchr(text, '\n') != NULL;
+        group->trace_cut += strchr(text, '\n') != NULL;
     }
     return true;
 }
@@ -129,13 +129,13 @@ bool robot_console_print(struct robot *r, const char *text)
 /* Sends the crew's listing in pieces, each of which says which of how many it is. */
 static void listing_send(struct robot *r, const struct mu_mail *asked, bool done)
 {
-    struct crew *crew = r->crew;
+    struct group_process *group = r->group;
     char of[MU_FIELD_MAX + 1];
-    uint32_t count = mu_pieces_count(crew->listing.at, ROBOT_ANSWER_MAX);
-    const char *at = crew->listing.at;
+    uint32_t count = mu_pieces_count(group->listing.at, ROBOT_ANSWER_MAX);
+    const char *at = group->listing.at;
     mu_result sent = MU_OK;
     for (uint32_t i = 1; i <= count && sent == MU_OK; i++) {
-        (void)mu_pieces_next(&at, crew->answer, ROBOT_ANSWER_MAX);
+        (void)mu_pieces_next(&at, group->answer, ROBOT_ANSWER_MAX);
         snprintf(of, sizeof of, "piece %u %u", i, count);
         sent = mu_agent_send(r->agent,
                              &(struct mu_mail){.dst = asked->src,
@@ -143,7 +143,7 @@ static void listing_send(struct robot *r, const struct mu_mail *asked, bool done
                                                .language = "text",
                                                .ontology = of,
                                                .in_reply_to = asked->reply_with,
-                                               .content = crew->answer},
+                                               .content = group->answer},
                              NULL);
     }
     if (sent != MU_OK) {
@@ -164,11 +164,11 @@ static void listing_end(struct mu_text *listing)
     }
 }
 
-bool robot_console_answer(struct robot *r, const struct mu_mail *asked,
-                          mu_result (*ask)(struct mind *m, const char *line, struct mu_text *out))
+bool console_answer(struct robot *r, const struct mu_mail *asked,
+                    mu_result (*ask)(struct mind *m, const char *line, struct mu_text *out))
 {
-    struct mu_text *listing = &r->crew->listing;
-    robot_console_flush(r); /* what happened before comes before */
+    struct mu_text *listing = &r->group->listing;
+    console_flush(r); /* what happened before comes before */
     mu_text_clear(listing);
     bool done = ask(r->mind, asked->content, listing) == MU_OK;
     listing_end(listing);
@@ -177,10 +177,10 @@ bool robot_console_answer(struct robot *r, const struct mu_mail *asked,
 }
 
 /* Nothing else of the robot has a part in it: no percept that waits, no console that watches. */
-enum glance_end robot_console_look(void *self, const char *line, const char **text)
+enum glance_end console_look(void *self, const char *line, const char **text)
 {
     struct robot *r = self;
-    struct mu_text *listing = &r->crew->listing;
+    struct mu_text *listing = &r->group->listing;
     mu_text_clear(listing);
     mu_result looked = r->out ? MU_ABSENT : mind_glance(r->mind, line, listing);
     listing_end(listing);
@@ -198,9 +198,9 @@ static mu_result words_list(struct mind *m, const char *line, struct mu_text *ou
     return MU_OK;
 }
 
-void robot_console_words(struct robot *r, const struct mu_mail *asked)
+void console_words(struct robot *r, const struct mu_mail *asked)
 {
-    (void)robot_console_answer(r, asked, words_list);
+    (void)console_answer(r, asked, words_list);
 }
 
 /* The oldest gives way, which may be one that was killed; it is told. */
@@ -234,7 +234,7 @@ static struct console *console_enter(struct robot *r, const char *name)
 }
 
 /* "attach N", "more N": room for N more pieces; "detach". */
-void robot_console_directive(struct robot *r, const struct mu_mail *mail)
+void console_directive(struct robot *r, const struct mu_mail *mail)
 {
     const char *count = strchr(mail->content, ' ');
     size_t len = count ? (size_t)(count - mail->content) : strlen(mail->content);
@@ -249,7 +249,7 @@ void robot_console_directive(struct robot *r, const struct mu_mail *mail)
         unsigned long credit = c->credit + (more < ROBOT_CREDIT_MAX ? more : 0);
         c->credit = credit < ROBOT_CREDIT_MAX ? (uint32_t)credit : ROBOT_CREDIT_MAX;
         c->unread = 0;
-        robot_console_offer(r);
+        console_offer(r);
     }
     if (mail->reply_with[0] && mu_agent_reply(r->agent, mail, "inform", mail->content) != MU_OK) {
         mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", mail->src);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What reaches a robot: mail, questions, directives. */
-#include "agent/body.h"
 #include "agent/robot.h"
 #include "core/log.h"
 #include "core/name.h"
@@ -51,11 +50,11 @@ static struct mind_mail letter_of(const struct mu_mail *mail, uint64_t id)
 }
 
 /* What rules have said of a layer comes before what a robot does by itself. */
-enum mu_take robot_take_by_rules(void *self, mu_agent *a, const struct mu_mail *mail)
+enum mu_take mail_take_by_rules(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
     struct robot *r = self;
-    robot_settle(r);
+    percept_settle(r);
     r->numbered = mind_has_layer(r->mind, mail->layer);
     if (!r->numbered) {
         return MU_PASS;
@@ -65,11 +64,11 @@ enum mu_take robot_take_by_rules(void *self, mu_agent *a, const struct mu_mail *
 }
 
 /* What no kind takes: layers 1 to 3 have asked the rules already, higher ones have not. */
-void robot_on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
+void mail_on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     struct robot *r = self;
-    robot_settle(r);
-    if (mail->layer > MU_LAYER_SPEECH && robot_take_by_rules(self, a, mail) != MU_PASS) {
+    percept_settle(r);
+    if (mail->layer > MU_LAYER_SPEECH && mail_take_by_rules(self, a, mail) != MU_PASS) {
         return;
     }
     struct mind_mail letter = letter_of(mail, r->mails);
@@ -87,28 +86,28 @@ void robot_on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 static void line_answer(struct robot *r, const struct mu_mail *asked, bool done)
 {
     struct mu_text quoted;
-    mu_text_init(&quoted, r->crew->quoted, sizeof r->crew->quoted);
+    mu_text_init(&quoted, r->group->quoted, sizeof r->group->quoted);
     mu_text_add(&quoted, "\"");
-    for (const char *c = r->crew->answer; *c && quoted.len < sizeof r->crew->quoted - 3; c++) {
+    for (const char *c = r->group->answer; *c && quoted.len < sizeof r->group->quoted - 3; c++) {
         if (*c == '"' || *c == '\\') {
             mu_text_add(&quoted, "\\");
         }
         mu_text_add_bytes(&quoted, c, 1);
     }
     mu_text_add(&quoted, "\"");
-    if (mu_agent_reply(r->agent, asked, done ? "inform" : "failure", r->crew->quoted) != MU_OK) {
+    if (mu_agent_reply(r->agent, asked, done ? "inform" : "failure", r->group->quoted) != MU_OK) {
         mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", asked->src);
     }
 }
 
 /* What this robot knows, for whoever asks: all facts, or those of the relation that is named. */
-enum mu_take robot_take_facts(void *self, mu_agent *a, const struct mu_mail *mail)
+enum mu_take mail_take_facts(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
     struct robot *r = self;
-    robot_settle(r);
+    percept_settle(r);
     struct mu_text answer;
-    mu_text_init(&answer, r->crew->answer, sizeof r->crew->answer);
+    mu_text_init(&answer, r->group->answer, sizeof r->group->answer);
     bool done = mind_facts(r->mind, mail->content, &answer) == MU_OK;
     line_answer(r, mail, done);
     return MU_TAKEN;
@@ -129,33 +128,33 @@ static void directive_do(struct robot *r, mu_agent *a, const struct mu_mail *mai
 {
     bool is_console = strcmp(mail->ontology, "console") == 0;
     struct mu_text answer;
-    mu_text_init(&answer, r->crew->answer, sizeof r->crew->answer);
+    mu_text_init(&answer, r->group->answer, sizeof r->group->answer);
     mu_result (*carry_out)(struct mind *, const char *, struct mu_text *) =
         aside_begin(r, mail) ? mind_line : line_set_aside;
-    bool done = is_console ? robot_console_answer(r, mail, carry_out)
+    bool done = is_console ? console_answer(r, mail, carry_out)
                            : carry_out(r->mind, mail->content, &answer) == MU_OK;
     aside_end(r);
     if (!done && !is_console) {
         mu_log(MU_LOG_WARNING, "line-refused", "from=%s line=%s answer=%s", mail->src,
-               mail->content, r->crew->answer);
+               mail->content, r->group->answer);
     }
     if (mail->reply_with[0] && !is_console) {
         line_answer(r, mail, done);
     }
-    (void)robot_mend(r);
-    body_ask(a, r->mind);
-    robot_do_wish(r, a);
-    robot_travel(r);
+    (void)robot_mind_mend(r);
+    percept_ask(a, r->mind);
+    lifecycle_do_wish(r, a);
+    lifecycle_travel(r);
 }
 
 /* In any state, and whatever its rules do in the step. */
-enum mu_take robot_take_question(void *self, mu_agent *a, const struct mu_mail *mail)
+enum mu_take mail_take_question(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     struct robot *r = self;
     struct mu_text answer;
     struct mind_mail letter = letter_of(mail, mail->number);
-    robot_settle(r);
-    mu_text_init(&answer, r->crew->answer, sizeof r->crew->answer);
+    percept_settle(r);
+    mu_text_init(&answer, r->group->answer, sizeof r->group->answer);
     if (!mind_answer(r->mind, &letter, &answer) || answer.cut) {
         return MU_PASS;
     }
@@ -182,7 +181,7 @@ static void travel_begin(struct robot *r, const struct mind_travel *travel, bool
                          const struct mu_mail *mail)
 {
     if (good) {
-        (void)trip_begin(r, travel, mail);
+        (void)migration_begin(r, travel, mail);
     } else if (mail->reply_with[0] &&
                mu_agent_reply(r->agent, mail, "failure",
                               travel->kind == MIND_MOVES ? "expected HOST"
@@ -210,13 +209,13 @@ static void directive_clone(struct robot *r, mu_agent *a, const struct mu_mail *
 }
 
 /* The same as requests: a robot grants them, unless its rules have said of layer 1 what they do. */
-enum mu_take robot_take_dispatch(void *self, mu_agent *a, const struct mu_mail *mail)
+enum mu_take mail_take_dispatch(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     directive_move(self, a, mail);
     return MU_TAKEN;
 }
 
-enum mu_take robot_take_clone(void *self, mu_agent *a, const struct mu_mail *mail)
+enum mu_take mail_take_clone(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     directive_clone(self, a, mail);
     return MU_TAKEN;
@@ -246,16 +245,16 @@ static void directive_step(struct robot *r, mu_agent *a, const struct mu_mail *m
 static void directive_console(struct robot *r, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
-    robot_console_directive(r, mail);
+    console_directive(r, mail);
 }
 
 static void directive_words(struct robot *r, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
-    robot_console_words(r, mail);
+    console_words(r, mail);
 }
 
-void robot_on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
+void mail_on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     static const struct {
         const char *performative;
@@ -265,16 +264,16 @@ void robot_on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
                       {"console", directive_console}, {"words", directive_words}};
     for (size_t i = 0; i < sizeof directives / sizeof directives[0]; i++) {
         if (strcmp(mail->performative, directives[i].performative) == 0) {
-            robot_settle(self);
+            percept_settle(self);
             directives[i].carry_out(self, a, mail);
             return;
         }
     }
     mu_log(MU_LOG_WARNING, "unknown-directive", "verb=%s from=%s", mail->performative, mail->src);
-    robot_refuse_directive(a, mail);
+    mail_refuse_directive(a, mail);
 }
 
-void robot_refuse_directive(mu_agent *a, const struct mu_mail *mail)
+void mail_refuse_directive(mu_agent *a, const struct mu_mail *mail)
 {
     char content[2 * MU_FIELD_MAX];
     struct mu_text t;

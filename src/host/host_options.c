@@ -1,62 +1,61 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "host/host_settings.h"
+#include "host/host_options.h"
 
-#include "agent/trip.h"
 #include "core/name.h"
 #include "core/text.h"
 
 #include <stdio.h>
 
-static struct host_settings settings;
+static struct host_options options;
 
 static struct mu_option table[] = {
-    MU_JOIN_OPTIONS(settings.robots.network),
+    MU_JOIN_OPTIONS(options.robots.network),
     {.name = "agents",
      .kind = MU_OPTION_INTEGER,
      .unit = "N",
      .fallback = "16",
      .help = "room for so many agents",
-     .target = &settings.agents,
+     .target = &options.agents,
      .min = 1,
      .max = 256},
     {.name = "take",
      .kind = MU_OPTION_LIST,
      .unit = "PATTERN",
      .help = "take in agents of such names alone, for example 'w_*'; may stand several times",
-     .target = &settings.take},
+     .target = &options.take},
     {.name = "bytes",
      .kind = MU_OPTION_INTEGER,
      .unit = "N",
      .fallback = "1000000",
      .help = "take in capsules of at most so many bytes",
-     .target = &settings.bytes,
+     .target = &options.bytes,
      .min = 1000,
      .max = 1000000},
-    CHECKPOINT_OPTIONS(settings.robots.checkpoints),
-    SETTINGS_MEND_OPTION(settings.robots),
+    OPTIONS_CHECKPOINT(options.robots.checkpoints),
+    OPTIONS_MEND(options.robots),
     {.name = "robot",
      .kind = MU_OPTION_LIST,
      .unit = "NAME=FILE",
      .help = "a robot that begins here, and its rules; may stand several times",
-     .target = &settings.natives},
+     .target = &options.natives},
     {.name = "global",
      .kind = MU_OPTION_LIST,
      .unit = "NAME.G=VALUE",
      .help = "set a global of such a robot, for example red.mate=blue",
-     .target = &settings.robots.globals},
+     .target = &options.robots.globals},
     {.name = "seed",
      .kind = MU_OPTION_INTEGER,
      .unit = "N",
      .fallback = "1",
      .environment = "MUSTER_SEED",
      .help = "seed of (random) in such robots, together with the name",
-     .target = &settings.robots.seed},
+     .target = &options.robots.seed},
     {.name = "firings",
      .kind = MU_OPTION_INTEGER,
      .unit = "N",
      .fallback = "200",
      .help = "rules that an agent fires in one control step at most",
-     .target = &settings.robots.firings_max,
+     .target = &options.robots.firings_max,
      .min = 1,
      .max = 1000000},
     {.name = "failures",
@@ -64,43 +63,43 @@ static struct mu_option table[] = {
      .unit = "N",
      .fallback = "100",
      .help = "a rule that fails so often suspends its agent; 0: none does",
-     .target = &settings.robots.failures_max,
+     .target = &options.robots.failures_max,
      .max = 1000000},
     {.name = "world",
      .letter = 'w',
      .kind = MU_OPTION_STRING,
      .unit = "FILE",
      .help = "the world's file: the map for (plan x y)",
-     .target = &settings.robots.world},
+     .target = &options.robots.world},
     {.name = "diary",
      .kind = MU_OPTION_FLAG,
      .help = "let recordings have what goes on in its agents' minds",
-     .target = &settings.robots.diary},
+     .target = &options.robots.diary},
     {.name = "verbose",
      .letter = 'v',
      .kind = MU_OPTION_FLAG,
      .help = "log what happens",
-     .target = &settings.robots.verbose},
+     .target = &options.robots.verbose},
 };
 
-mu_result host_settings_parse(const struct host_settings **out, int argc, char **argv)
+mu_result host_options_read(const struct host_options **out, int argc, char **argv)
 {
-    static struct mu_options options = {
+    static struct mu_options program = {
         .program = "muster host",
         .usage = "NAME [OPTION...]",
         .about = "A platform: takes in agents that are launched here, or move here.",
         .table = table,
         .count = sizeof table / sizeof table[0]};
-    *out = &settings;
-    mu_result parsed = mu_options_parse(&options, argc, argv);
+    *out = &options;
+    mu_result parsed = mu_options_parse(&program, argc, argv);
     if (parsed != MU_OK) {
         return parsed;
     }
-    if (options.words_count != 1) {
+    if (program.words_count != 1) {
         fprintf(stderr, "muster host: give it a name, for example: muster host north\n");
         return MU_FAULT_USAGE;
     }
-    const char *name = options.words[0];
+    const char *name = program.words[0];
     if (!mu_name_valid(name) || mu_name_reserved(name)) {
         char shown[MU_TEXT_SHOWN];
         fprintf(stderr,
@@ -109,6 +108,6 @@ mu_result host_settings_parse(const struct host_settings **out, int argc, char *
                 mu_text_show(shown, name));
         return MU_FAULT_USAGE;
     }
-    settings.robots.name = name;
-    return checkpoint_settings_check(&settings.robots.checkpoints, "muster host");
+    options.robots.name = name;
+    return options_check_checkpoints(&options.robots.checkpoints, "muster host");
 }

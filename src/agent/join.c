@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* How a robot gets into its process: it begins there, comes back, or comes from elsewhere. */
+#include "agent/robot.h"
+#include "runtime/returns.h"
+
+#include <stdio.h>
+
+/* What the process's program does for its robots; this one is told of its own. */
+static struct mu_handlers handlers_of(struct robot *r)
+{
+    struct mu_handlers handlers = r->group->program->handlers;
+    handlers.self = r;
+    return handlers;
+}
+
+static void robot_begin(struct robot *r)
+{
+    mu_agent_be(r->agent, r->group->program->kind);
+    glances_answer(r->agent, console_look);
+    returns_hear(r->agent, r->group->program->on_return);
+    percept_ask(r->agent, r->mind);
+}
+
+mu_result agent_join(struct robot *r)
+{
+    if (r->returns) {
+        return agent_arrive(r, &r->passage, MU_ON_ARRIVE);
+    }
+    struct mu_handlers handlers = handlers_of(r);
+    mu_process *p = r->group->process;
+    mu_result joined = mu_agent_join(p, &r->agent, r->name, MU_KIND_ROBOT, 0, &handlers);
+    if (joined != MU_OK) {
+        fprintf(stderr, "%s: %s\n", r->name, mu_result_text(joined));
+        return joined < 0 ? joined : MU_FAULT_USAGE;
+    }
+    robot_begin(r);
+    return MU_OK;
+}
+
+mu_result agent_arrive(struct robot *r, const struct mu_passage *from, enum mu_event event)
+{
+    struct mu_handlers handlers = handlers_of(r);
+    mu_result joined =
+        mu_agent_arrive(r->group->process, &r->agent, r->name, from, event, &handlers);
+    if (joined != MU_OK) {
+        return joined;
+    }
+    r->arrives = true;
+    r->out = false;
+    robot_begin(r);
+    return MU_OK;
+}

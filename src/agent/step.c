@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a robot does in a control step. */
+#include "agent/robot.h"
+#include "core/log.h"
+
+#include <stdio.h>
+
+/* What it wants, and what has gone on in its mind, goes out with its answer to this step. */
+static void mind_hand(struct robot *r, mu_agent *a)
+{
+    char goal[MU_FIELD_MAX + 1];
+    struct mu_text *diary = &r->group->diary;
+    mind_goal(r->mind, goal);
+    mu_agent_want(a, goal);
+    mu_text_clear(diary);
+    mind_diary(r->mind, diary);
+    mu_agent_note(a, diary->at);
+}
+
+/* What it did in this step may not have gone out: that is said again.  Else the world may have gone
+ * on without it. */
+static void robot_return(struct robot *r)
+{
+    r->returns = false;
+    r->repeats = r->step == r->saved_step && r->answer.text;
+    if (r->repeats && !answer_repeat(r->agent, &r->answer)) {
+        mu_log(MU_LOG_WARNING, "answer-damaged", "name=%s step=%lld", r->name, (long long)r->step);
+    } else if (!r->repeats && r->step != r->saved_step + 1) {
+        mind_event(r->mind, MU_ON_ARRIVE);
+    }
+}
+
+/* A suspended mind keeps still, so that a person can look at it.  Who runs acts in this step, too.
+ */
+static void step_begin(struct robot *r, mu_agent *a, const struct mu_percept *p)
+{
+    r->step = p->step;
+    r->repeats = false;
+    r->time_ns = p->time_ns;
+    if (r->returns) {
+        robot_return(r);
+    }
+    console_offer(r); /* what happened to one that does not act */
+    mind_hand(r, a);
+    if (mu_agent_state(a) == MU_SUSPENDED || agent_is_away(r) || r->out || r->repeats) {
+        return;
+    }
+    r->percept = *p;
+    r->percept_waits = true;
+    if (mu_agent_state(a) != MU_RUNNING) {
+        percept_settle(r);
+    }
+}
+
+void step_on_step(void *self, mu_agent *a, const struct mu_percept *p)
+{
+    struct robot *r = self;
+    r->bodiless = false;
+    step_begin(r, a, p);
+}
+
+void step_on_tick(void *self, mu_agent *a, const struct mu_percept *p)
+{
+    struct robot *r = self;
+    r->bodiless = true;
+    step_begin(r, a, p);
+}
+
+/* The rules do more harm than good: a person has to look at them. */
+static void robot_give_up(struct robot *r, mu_agent *a, const char *why)
+{
+    (void)r;
+    mu_log(MU_LOG_WARNING, "suspended", "name=%s why=%s", mu_agent_name(a), why);
+    mu_agent_suspend(a, why);
+}
+
+/* Stands before a rule, as somebody wanted; the world goes on without it. */
+static void robot_break(struct robot *r, mu_agent *a, const char *rule)
+{
+    char said[MU_FIELD_MAX + 64], why[MU_FIELD_MAX + 1];
+    snprintf(said, sizeof said, "break: %s is about to fire; suspended\n", rule);
+    snprintf(why, sizeof why, "break: %.55s", rule);
+    mu_log(MU_LOG_INFO, "break", "name=%s rule=%s", mu_agent_name(a), rule);
+    (void)console_print(r, said);
+    mu_agent_suspend(a, why);
+}
+
+/* Hands on what the rules have the body do. */
+static void act_hand(mu_agent *a, const struct mind_act *act)
+{
+    if (act->drives && mu_agent_drive(a, act->forward_m_s, act->turn_rad_s) != MU_OK) {
+        mu_log(MU_LOG_WARNING, "speed-refused", "name=%s", mu_agent_name(a));
+    }
+    if (mu_agent_grip(a, act->paddles, act->lift) != MU_OK) {
+        mu_log(MU_LOG_WARNING, "order-refused", "name=%s", mu_agent_name(a));
+    }
+}
+
+void step_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
+{
+    (void)percept;
+    struct robot *r = self;
+    struct mind_act act;
+    uint32_t left = r->rules_left;
+    if (r->repeats) {
+        return;
+    }
+    percept_settle(r);
+    mind_fire_some(r->mind, left > 0 ? left : UINT32_MAX, &act);
+    if (act.end == MIND_STOPPED) {
+        mu_log(MU_LOG_WARNING, "rules-stopped", "name=%s guard=%s rules=%s", mu_agent_name(a),
+               act.why, act.rules);
+    }
+    act_hand(a, &act);
+    percept_ask(a, r->mind);
+    mu_agent_fired(a, act.firings, act.rules);
+    if (robot_mind_mend(r)) {
+        mu_agent_fired(a, 0, ""); /* what it did is lost with it */
+    } else if (act.enough) {
+        robot_give_up(r, a, act.enough);
+    } else if (act.end == MIND_BREAK) {
+        robot_break(r, a, act.why);
+    } else if (left > 0 && act.firings < left) {
+        r->rules_left = left - act.firings;
+    } else if (left > 0) {
+        mu_agent_suspend(a, "as many rules fired as it was told");
+    }
+    lifecycle_do_wish(r, a);
+    lifecycle_travel(r);
+    console_offer(r);
+    mind_hand(r, a);
+}
