@@ -29,7 +29,7 @@ static bool camera_looks_for(const struct camera *camera, uint32_t rgb)
     return found;
 }
 
-/* @return the first column after those that see the same as this one */
+/* @return the first column after a run of columns that see the same colour of the same owner */
 static uint32_t camera_run(const struct camera *camera, const struct sensing *at, uint32_t first)
 {
     const struct solid *seen = gather_solid(at->gather, at->hit[first]);
@@ -44,7 +44,7 @@ static uint32_t camera_run(const struct camera *camera, const struct sensing *at
     return k;
 }
 
-/* Puts a blob in its place; when there is no room, the farthest falls out. */
+/* Inserts a blob by its range.  In a full list the farthest blob is dropped. */
 static size_t camera_rank(struct engine_blob blobs[], size_t count, const struct engine_blob *blob)
 {
     if (count == MU_BLOBS_MAX && !(blob->range_m < blobs[count - 1].range_m)) {

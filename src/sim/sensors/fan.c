@@ -12,7 +12,7 @@ extern const struct fan_kernel fan_portable, fan_sse2, fan_avx2, fan_avx512;
 
 static const struct fan_kernel *chosen;
 
-/* Those that this processor has, the widest first. */
+/* Lists the kernels that this processor can run, the widest first. */
 static size_t fan_list(const struct fan_kernel *list[FAN_KERNELS_MAX])
 {
     size_t count = 0;

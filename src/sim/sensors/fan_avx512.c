@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The beam kernels for AVX-512; the Makefile says so to the compiler. */
+/* The kernels for AVX-512.  The Makefile sets the compiler's flags. */
 #include "sim/sensors/fan.h"
 
 #if defined(__x86_64__)

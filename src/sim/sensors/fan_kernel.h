@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The beam kernels, for vectors of FAN_WIDTH doubles; included once for each vector unit, by a file
- * that names FAN_WIDTH and FAN_NAME.
+ * The kernels, for vectors of FAN_WIDTH doubles.  Each fan_*.c includes this file once, and defines
+ * FAN_WIDTH and all names.
  */
 #include "sim/sensors/fan.h"
 
@@ -10,10 +10,10 @@
 #include <immintrin.h>
 #endif
 
-/* Solids that are prepared at a time. */
+/* Number of solids that are prepared at a time. */
 enum { FAN_BATCH = 256 };
 
-/* A margin for the error of the arc tangent: it only widens what is tested. */
+/* Margins for the error of the arc tangent: they only widen the range of beams that is tested. */
 #define FAN_MARGIN_RAD   1e-5
 #define FAN_MARGIN_BEAMS 1e-3
 
@@ -55,8 +55,8 @@ static inline vector vabs(vector v)
 }
 
 /*
- * What the compiler does not find by itself.  Each gives the bits of its plain form, also for zeros
- * and for what is no number.
+ * Instructions that the compiler does not find by itself.  Each gives the bits of its plain form,
+ * also for zeros and NaNs.
  */
 #if FAN_WIDTH == 8 && defined(__AVX512F__)
 static inline vector choose(mask m, vector yes, vector no)
@@ -131,13 +131,13 @@ static inline bool any_within(vector v, double limit)
 }
 #endif
 
-/* -1 or 1 */
+/* @return -1 or 1 */
 static inline vector sign_of(vector v)
 {
     return choose(v < 0, all(-1), all(1));
 }
 
-/* A minimax polynomial; its error of 2e-6 is covered by FAN_MARGIN_RAD. */
+/* A minimax polynomial with an error of 2e-6, which FAN_MARGIN_RAD covers. */
 static inline vector arc_tangent(vector y, vector x)
 {
     vector ax = vabs(x);
@@ -153,21 +153,22 @@ static inline vector arc_tangent(vector y, vector x)
     return choose(y < 0, -a, a);
 }
 
-/* The solids in the scanner's frame, and the beams that they can meet. */
+/* Solids in the scanner's frame, and the beams that can meet them. */
 struct prepared {
-    double x[FAN_BATCH], y[FAN_BATCH]; /* a disc's middle; where the scanner is from a box */
-    double c[FAN_BATCH], s[FAN_BATCH]; /* a box's heading */
+    double x[FAN_BATCH],
+        y[FAN_BATCH]; /* of a disc: its middle; of a box: the scanner in the box's frame */
+    double c[FAN_BATCH], s[FAN_BATCH]; /* of a box: its heading */
     double first[FAN_BATCH], last[FAN_BATCH];
     int64_t seen[FAN_BATCH];
 };
 
-/* Two directions, of the right and the left end of something as the scanner sees it. */
+/* The directions of the right and left end of a solid, seen from the scanner. */
 struct ends {
     vector right_x, right_y, left_x, left_y;
-    mask around; /* the scanner is inside of it */
+    mask around; /* the scanner is inside the solid */
 };
 
-/* (x, y) is a disc's middle: its tangents, each as long as it comes. */
+/* Returns the two tangents of a disc with the middle (x, y).  Their lengths do not matter. */
 static inline struct ends ends_of_disc(vector x, vector y, vector radius)
 {
     vector free = x * x + y * y - radius * radius;
@@ -180,8 +181,8 @@ static inline struct ends ends_of_disc(vector x, vector y, vector radius)
 }
 
 /*
- * (x, y) is where the scanner is from a box, in the box's frame: the two corners that bound what it
- * sees.  They are found for the quadrant where x and y are positive, and mirrored.
+ * Returns the two corners of a box that bound its view from the scanner, which is at (x, y) in the
+ * box's frame.  They are found in the quadrant with positive x and y, and mirrored.
  */
 static inline struct ends ends_of_box(vector x, vector y, const vector half[2],
                                       const vector turn[2])
@@ -253,12 +254,14 @@ static inline void prepare_one(const struct fan_table *table, const struct fan_e
     store_mask(to->seen + k, near & returns);
 }
 
-/* The picture that the beams make, and the blocks of beams that one solid can change.  Passed by
- * value: a store to the picture might else change it. */
+/*
+ * The depth buffer of all beams, and the blocks of beams that one solid can change.  Passed by
+ * value: otherwise a store to the buffer might change it.
+ */
 struct picture {
     const double *along_x, *along_y;
     double *range_m;
-    int64_t *hit; /* NULL: nobody asks */
+    int64_t *hit; /* may be NULL */
     size_t first, last;
     int64_t id;
 };
@@ -299,16 +302,17 @@ static inline void paint_disc(struct picture p, double x, double y, double radiu
 }
 
 /*
- * Only the sides that face the scanner can be met, and which they are is the same for all beams:
- * so one division does.  (x, y) is the scanner in the box's frame; the frame is mirrored such that
- * the beams that come nearer have positive components.
+ * Tests a box.  Only sides that face the scanner can be met, and they are the same for all beams:
+ * one division is enough. (x, y) is the scanner in the box's frame, which is mirrored so that beams
+ * that approach have positive components.
  */
 static inline void paint_box(struct picture p, double x, double y, const double half[2],
                              const double turn[2])
 {
     double side_x = x < 0 ? 1 : -1;
     double side_y = y < 0 ? 1 : -1;
-    double way_x = -x * side_x - half[0]; /* to the line of the side that faces the scanner */
+    double way_x =
+        -x * side_x - half[0]; /* distance to the line of the side that faces the scanner */
     double way_y = -y * side_y - half[1];
     if (way_x <= 0 && way_y <= 0) {
         paint_around(p);
@@ -352,7 +356,7 @@ static inline void paint(struct picture p, const struct gather_solids *solids, s
     }
 }
 
-/* What crosses the line behind the scanner can be met from both ends of the fan. */
+/* Tests a solid that crosses the line behind the scanner: both ends of the fan can meet it. */
 static inline void paint_wrapped(struct picture p, const struct fan_table *table,
                                  const struct gather_solids *solids, size_t at,
                                  const struct prepared *from, size_t k)
@@ -384,7 +388,7 @@ static inline void paint_straight(struct picture p, const struct fan_table *tabl
     paint(p, solids, at, from, k);
 }
 
-/* Those of a batch that can be met; wrapped ones stand in a list of their own. */
+/* The solids of a batch that beams can meet.  Those behind the scanner have a list of their own. */
 struct chosen {
     uint16_t straight[FAN_BATCH], wrapped[FAN_BATCH];
     size_t straight_count, wrapped_count;
@@ -471,7 +475,7 @@ static size_t FAN_NEAR(const struct gather_solids *solids, size_t begin, size_t 
     return count;
 }
 
-/* Rays, so many at a time. */
+/* As many rays as a vector holds. */
 struct rays {
     vector from_x, from_y, along_x, along_y, best;
 };
@@ -507,7 +511,7 @@ static inline vector cast_box(const struct rays *r, vector fx, vector fy, const 
     return choose(t_in <= least(t_out, r->best), t_in, r->best);
 }
 
-/* Whether any ray passes through the circle around a solid before it meets something. */
+/* @return whether a ray passes through the circle around a solid before it meets another solid */
 static inline bool some_may_meet(const struct rays *r, vector fx, vector fy, double reach)
 {
     vector back = fx * r->along_x + fy * r->along_y;
@@ -542,7 +546,7 @@ static void FAN_CAST(const struct fan_rays *rays, const struct gather_solids *so
 
 const struct fan_kernel FAN_KERNEL = {
     .name = FAN_NAME,
-    .crowd = 64 + 48 * FAN_WIDTH, /* measured: even at some 180, 400 and 450 */
+    .crowd = 64 + 48 * FAN_WIDTH, /* measured: break-even at about 180, 400 and 450 */
     .near = FAN_NEAR,
     .sweep = FAN_SWEEP,
     .cast = FAN_CAST};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The beam kernels for plain C vectors, for any processor. */
+/* The kernels for plain C vectors, for any processor. */
 #define FAN_WIDTH  2
 #define FAN_NAME   "portable"
 #define FAN_KERNEL fan_portable

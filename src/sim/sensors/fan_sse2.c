@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The beam kernels for SSE2, which every 64-bit x86 has. */
+/* The kernels for SSE2, which every 64-bit x86 processor has. */
 #include "sim/sensors/fan.h"
 
 #if defined(__x86_64__)

@@ -16,13 +16,13 @@ double fiducials_reach(const struct fiducials *finder)
                                    : 0;
 }
 
-/* A mark on the floor may be there for finders alone: no ray meets it, and it hides nothing. */
+/* A mark on the floor exists for finders alone: it stops no ray and hides nothing. */
 static bool fiducials_is_mark(const struct solid *bearer)
 {
     return bearer->returns == 0 && !bearer->away;
 }
 
-/* @return whether nothing stands before the bearer */
+/* @return whether nothing hides the bearer */
 static bool fiducials_free(const struct sensing *at, const struct frame *eye,
                            const struct solid *bearer, double range)
 {
@@ -35,7 +35,7 @@ static bool fiducials_free(const struct sensing *at, const struct frame *eye,
                : fiducials_is_mark(bearer);
 }
 
-/* @return whether it is seen */
+/* Measures a bearer.  @return whether the finder sees it */
 static bool fiducials_look(const struct fiducials *finder, const struct sensing *at,
                            const struct frame *eye, const struct solid *bearer,
                            struct engine_fiducial *out)
@@ -59,7 +59,7 @@ static bool fiducials_look(const struct fiducials *finder, const struct sensing 
     return true;
 }
 
-/* Puts one in its place; when there is no room, the farthest falls out. */
+/* Inserts a fiducial by its range.  In a full list the farthest one is dropped. */
 static size_t fiducials_rank(struct engine_fiducial found[], size_t count,
                              const struct engine_fiducial *one)
 {

@@ -6,10 +6,11 @@
 
 #include <string.h>
 
-#define GATHER_TILE_M \
-    4.0 /* of the smallest tier, measured best of 2 to 4; each next one is four times as large */
+#define GATHER_TILE_M                                                                             \
+    4.0 /* of the smallest tier: the best of 2 to 4, measured; each next tier has four times that \
+         */
 
-/* Rows of tiles that a circle may lie on for gather_cast, in both layers. */
+/* Rows of tiles that a circle may cover in gather_cast, in both layers. */
 enum { GATHER_SPANS = 64 };
 
 static void gather_solids_init(struct gather_solids *solids, size_t max)
@@ -89,7 +90,7 @@ static void gather_layer_init(struct gather *g, struct gather_layer *layer,
     gather_sort(g, layer);
 }
 
-/* Lays tiles over a box; what lies beyond it counts as in the outermost tiles. */
+/* Lays tiles over a box.  A solid outside counts as in the nearest tile. */
 static void gather_lay(struct gather *g, double width, double height, double tile_m)
 {
     g->tiles = 0;
@@ -127,7 +128,7 @@ void gather_init(struct gather *g, const struct solid *still, size_t still_count
                  const struct solid *moving, size_t moving_count)
 {
     *g = (struct gather){.moving.first_id = still_count};
-    bool open = still_count == 0; /* nothing stands: lay the tiles over what moves */
+    bool open = still_count == 0; /* nothing stands: lay the tiles over the moving solids */
     gather_measure(g, open ? moving : still, open ? moving_count : still_count);
     g->cursor = mu_startup_array(g->tiles, sizeof *g->cursor);
     gather_layer_init(g, &g->still, still, still_count);
@@ -162,25 +163,25 @@ static void gather_copy(struct gather_solids *to, const struct gather_solids *fr
     to->id[at] = from->id[k];
 }
 
-/* Neighbours in one layer, some of which may come within a circle. */
+/* A run of solids in one layer, some of which may come within a circle. */
 struct gather_span {
     const struct gather_solids *solids;
     uint32_t begin, end;
 };
 
-/* One collection on its way. */
+/* The state of a query. */
 struct gather_search {
     const struct gather *gather;
     const struct fan_kernel *kernel;
     const struct gather_circle *circle;
     int32_t self;
     void (*take)(struct gather_search *search, const struct gather_span *span);
-    struct gather_list *list;   /* gather_near */
-    struct gather_span *spans;  /* gather_cast */
-    size_t span_count, between; /* as many solids lie in the spans */
+    struct gather_list *list;   /* for gather_near */
+    struct gather_span *spans;  /* for gather_cast */
+    size_t span_count, between; /* number of solids in all spans */
 };
 
-/* Lists who of a span comes within the circle.  @return how many */
+/* Lists the solids of a span that come within the circle.  @return how many */
 static size_t gather_sift(const struct gather_search *search, const struct gather_span *span,
                           uint32_t *found)
 {
@@ -213,7 +214,7 @@ static inline void gather_tiles(struct gather_search *search, const struct gathe
     }
 }
 
-/* How far a row of tiles is above or below; the outermost rows have no end. */
+/* @return the distance of y from a row of tiles; the outermost rows have no outer end */
 static double gather_row_apart(const struct gather *g, const struct gather_tier *tier, int row,
                                double y)
 {
@@ -279,7 +280,7 @@ static void gather_note(struct gather_search *search, const struct gather_span *
     if (search->span_count < GATHER_SPANS) {
         search->spans[search->span_count++] = *span;
     } else {
-        search->between = SIZE_MAX / 2; /* too much */
+        search->between = SIZE_MAX / 2; /* too many */
     }
 }
 

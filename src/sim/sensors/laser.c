@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "sim/sensors/models.h"
 
-/* A fan as narrow as that is one direction; its steps could be too small for numbers. */
+/* A narrower fan counts as one direction: its steps would be too small for a double. */
 #define LASER_FOV_MIN_RAD 1e-9
 
 void laser_init(struct laser *laser, const struct world_laser *from)
@@ -12,7 +12,7 @@ void laser_init(struct laser *laser, const struct world_laser *from)
     double fov = from->fov_rad < 2 * M_PI ? from->fov_rad : 2 * M_PI;
     if (from->samples > 1 && fov > LASER_FOV_MIN_RAD) {
         fan_table_init(&laser->table, -fov / 2, fov / (from->samples - 1), from->samples);
-    } else if (from->samples > 0) { /* all ahead: any step is as good */
+    } else if (from->samples > 0) { /* all beams point ahead, so that any step will do */
         fan_table_init(&laser->table, 0, LASER_FOV_MIN_RAD, from->samples);
     }
 }
@@ -29,7 +29,7 @@ static void laser_sweep(const struct laser *laser, const struct sensing *at)
     fan_kernel()->sweep(&laser->table, &fan, &at->near.solids, at->range_m, NULL);
 }
 
-/* Beams that do not know where they point are no fan: each is a ray of its own. */
+/* Beams with an angular error are no fan: each is cast as a ray of its own. */
 static void laser_scatter(const struct laser *laser, const struct sensing *at)
 {
     struct frame eye = frame_join(&at->robot, &laser->place);

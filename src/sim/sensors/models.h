@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file models.h
- * Each sensor of a robot: what it is, and how it reads what is there.
+ * The models of all sensors that cast rays: sonar, laser, camera, fiducial finder.
  */
 #ifndef MUSTER_SIM_MODELS_H
 #define MUSTER_SIM_MODELS_H
@@ -9,23 +9,21 @@
 #include "sim/sensors/fan.h"
 #include "sim/sensors/sensors.h"
 
-/*
- * What one thread reads sensors with: where, whose and when, and memory for what is on its way.
- */
+/* What one thread reads the sensors of a robot with: the scene, the robot, and scratch memory. */
 struct sensing {
     const struct grid *grid;
     const struct gather *gather;
-    uint64_t seed, step; /* of all noise */
+    uint64_t seed, step; /* of all random numbers */
     struct frame robot;
-    int32_t self;            /* the robot's number: the owner of what it does not see */
-    struct gather_list near; /* what lies within the reach of all but the sonars */
-    struct fan_rays rays;    /* those of a ring of sonars */
-    uint64_t key;            /* of what the ring draws */
+    int32_t self;            /* the robot's number: sensors do not see solids of this owner */
+    struct gather_list near; /* solids within the reach of laser, camera and finder */
+    struct fan_rays rays;    /* of a ring of sonars */
+    uint64_t key;            /* of the random numbers of a ring of sonars */
     double *range_m;         /* of each beam of a laser or camera */
-    int64_t *hit;            /* what each met, as in struct fan_kernel */
+    int64_t *hit;            /* the solid that each beam hit, as in struct fan_kernel */
 };
 
-/** @return the key of what a sensor draws now */
+/** @return the key of the random numbers of a sensor in this step */
 static inline uint64_t sensing_key(const struct sensing *at, enum draw_use use)
 {
     return draw_key(at->seed, (uint64_t)at->self, use, at->step);
@@ -33,11 +31,7 @@ static inline uint64_t sensing_key(const struct sensing *at, enum draw_use use)
 
 /* --- noise ------------------------------------------------------------------------------------ */
 
-/*
- * How readings of a range are falsified.
- */
-
-/* What a reading may be. */
+/* The limits of a reading. */
 struct noise_limits {
     double min_m, max_m;
 };
@@ -47,7 +41,7 @@ static inline bool noise_is_exact(const struct world_noise *noise)
     return noise->constant_m <= 0 && noise->per_m <= 0;
 }
 
-/** Brings a range inside the limits; a zero loses its sign. */
+/** Limits a range; -0 becomes 0. */
 static inline double noise_clip(const struct noise_limits *limits, double range_m)
 {
     range_m = range_m > limits->max_m ? limits->max_m : range_m;
@@ -55,98 +49,93 @@ static inline double noise_clip(const struct noise_limits *limits, double range_
 }
 
 /**
- * @return an echo's range with a normal error of constant_m + per_m * range_m, inside the limits;
- *         max_m, which says that no echo came, stays as it is
+ * @return the range with a normal error of deviation constant_m + per_m * range_m, limited; max_m
+ *         means that no echo came, and stays
  */
 double noise_range(const struct world_noise *noise, const struct noise_limits *limits,
                    double range_m, uint64_t bits);
 
-/** Turns a direction by a normal error of angle_rad. */
+/** Turns a direction by a normal error of deviation angle_rad. */
 void noise_turn(const struct world_noise *noise, double along[2], uint64_t bits);
 
 /* --- sonar ------------------------------------------------------------------------------------ */
 
-/*
- * A ring of sonars: each hears the nearest echo of the exact rays over its cone.
- */
+/* A ring of sonars.  Each sonar reports the nearest echo of the rays in its cone. */
 
 struct sonar_ray {
-    double x, y; /* its direction, in the robot's frame */
+    double x, y; /* direction in the robot's frame */
 };
 
 struct sonar {
-    double x, y; /* in the robot's frame */
+    double x, y; /* position in the robot's frame */
     struct noise_limits range;
     struct world_noise noise;
-    double least_cos; /* of the angle of incidence, for an echo to come back; 0: any */
+    double least_cos; /* of the largest angle of incidence at which an echo returns; 0: any angle */
     uint32_t first_ray, ray_count;
 };
 
 struct sonar_ring {
     size_t count;
     struct sonar *sonars;
-    struct sonar_ray *rays; /* of all of them */
+    struct sonar_ray *rays; /* of all sonars */
     uint32_t ray_count;
     double reach_m; /* from the robot's middle */
-    bool mirrors;   /* what one hears depends on the surface that it meets */
+    bool mirrors;   /* an echo may depend on the surface that a ray hits */
 };
 
 /** Takes memory. */
 void sonar_init(struct sonar_ring *ring, const struct world_robot *robot);
 
 /**
- * Reads all sonars: all rays at once, or, where much is near or surfaces mirror, ray by ray; to the
- * same bits.
+ * Reads all sonars.  Rays are cast in batches; if much is near, or a sonar depends on surfaces,
+ * they are cast one by one, with the same bits.
  */
 void sonar_read(const struct sonar_ring *ring, struct sensing *at, float range_m[]);
 
 /* --- laser ------------------------------------------------------------------------------------ */
 
-/*
- * A scanner of one exact beam per sample.
- */
+/* A scanner with one exact beam per sample. */
 
 struct laser {
     struct frame place; /* in the robot's frame */
     struct noise_limits range;
     struct world_noise noise;
-    struct fan_table table; /* count 0: there is none */
+    struct fan_table table; /* count 0: there is no laser */
 };
 
 /** Takes memory. */
 void laser_init(struct laser *laser, const struct world_laser *from);
 
-/** @return how far from the robot's middle it sees */
+/** @return the distance that it sees, from the robot's middle */
 double laser_reach(const struct laser *laser);
 
-/** Reads all samples, from right to left. */
+/** Reads all samples, from right to left.  They are in metres. */
 void laser_read(const struct laser *laser, const struct sensing *at, float range_m[]);
 
 /* --- camera ----------------------------------------------------------------------------------- */
 
-/*
- * A camera that finds blobs of colour, column by column.
- */
+/* A camera that finds blobs of colour, column by column. */
 
 struct camera {
     struct frame place; /* in the robot's frame */
     double range_m;
     uint32_t colors[MU_COLORS_MAX];
-    size_t color_count;     /* 0: all */
-    struct fan_table table; /* one beam for each column's middle; count 0: there is none */
+    size_t color_count; /* 0: it finds all colours */
+    struct fan_table
+        table; /* one beam through the middle of each column; count 0: there is no camera */
 };
 
 /** Takes memory. */
 void camera_init(struct camera *camera, const struct world_camera *from);
 
-/** @return how far from the robot's middle it sees */
+/** @return the distance that it sees, from the robot's middle */
 double camera_reach(const struct camera *camera);
 
 /**
- * Finds the blobs: neighbouring columns that see one colour of one owner.  What stands in front
- * hides what is behind, whether or not its colour is looked for.
+ * Finds blobs: runs of columns that see one colour of one owner.  A solid hides those behind it,
+ * whether or not its colour is wanted.
  *
- * @param blobs  out: room for MU_BLOBS_MAX; the nearest, nearest first
+ * @param blobs  out: the nearest ones, nearest first; room for MU_BLOBS_MAX
  * @return how many
  */
 size_t camera_read(const struct camera *camera, const struct sensing *at,
@@ -154,9 +143,7 @@ size_t camera_read(const struct camera *camera, const struct sensing *at,
 
 /* --- fiducials -------------------------------------------------------------------------------- */
 
-/*
- * A finder that reads numbers off things that bear one.
- */
+/* A finder that reads the numbers of solids. */
 
 struct fiducials {
     struct frame place; /* in the robot's frame */
@@ -166,14 +153,14 @@ struct fiducials {
 
 void fiducials_init(struct fiducials *finder, const struct world_fiducial_finder *from);
 
-/** @return how far from the robot's middle it sees; 0: there is none */
+/** @return the distance that it sees, from the robot's middle; 0: there is no finder */
 double fiducials_reach(const struct fiducials *finder);
 
 /**
- * Finds what bears a number, has its middle inside the field of view, and is not hidden: the ray
- * to its middle meets it first, or another part of the same owner.
+ * Finds the solids that bear a number, have their middle in the field of view, and are not hidden.
+ * A solid is visible if the ray to its middle first meets it, or another part of its owner.
  *
- * @param found  out: room for MU_FIDUCIALS_MAX; the nearest, nearest first
+ * @param found  out: the nearest ones, nearest first; room for MU_FIDUCIALS_MAX
  * @return how many
  */
 size_t fiducials_read(const struct fiducials *finder, const struct sensing *at,

@@ -11,7 +11,7 @@ double noise_range(const struct world_noise *noise, const struct noise_limits *l
     return noise_clip(limits, range_m);
 }
 
-/* By the half-angle form, which turns by 2 atan(error / 2): no sine is asked for. */
+/* The half-angle form turns by 2 atan(error / 2), without a sine. */
 void noise_turn(const struct world_noise *noise, double along[2], uint64_t bits)
 {
     double half = noise->angle_rad * draw_normal(bits) / 2;

@@ -13,21 +13,20 @@
 #include <stdint.h>
 
 /*
- * While one job follows another within this time the threads stay awake in between: being woken
- * takes about as long as all sonars of a hundred robots.  One job that comes later, and they lie
- * down as soon as there is nothing to do.
+ * Threads stay awake between jobs that follow within this time: waking takes about as long as all
+ * sonars of a hundred robots.  After one later job they sleep as soon as there is no work.
  */
 #define POOL_SOON_NS 400000
 
-/* For less work than that nobody is woken. */
+/* A smaller job wakes no thread. */
 #define POOL_WORTH_NS 100000
 
-/* Before the caller lies down, too, until the others have done what they took. */
+/* The caller spins this long for pieces that other threads have taken, and then sleeps. */
 #define POOL_PATIENCE_NS 100000
 
 enum {
-    POOL_CALM = 200, /* jobs without spinning after one for which the caller had to lie down */
-    POOL_LOOKS = 16, /* between two looks at the clock */
+    POOL_CALM = 200, /* jobs without spinning, after the caller had to sleep */
+    POOL_LOOKS = 16, /* between two reads of the clock */
     POOL_LINE = 64   /* bytes of a cache line */
 };
 
@@ -40,21 +39,23 @@ struct pool_thread {
 struct pool {
     struct pool_thread *threads;
     size_t thread_count; /* without the caller's */
-    bool may_spin;       /* there is a processor for each */
-    /* Of the job; they stay until all of its pieces are done: */
+    bool may_spin;       /* each thread has a processor */
+    /* Of the job, constant until all of its pieces are done: */
     pool_work *work;
     void *context;
     size_t pieces;
     /* Of the job before it: */
     uint64_t ended_ns, work_ns;
-    unsigned calm; /* for so many jobs nobody spins: somebody else wants the processors */
+    unsigned calm; /* jobs for which no thread spins, because other programs want the processors */
     pthread_mutex_t lock;
     pthread_cond_t wake, done;
     atomic_size_t sleepers;
     atomic_bool caller_sleeps, soon, quit;
     char apart_1[POOL_LINE];
-    /* The number of the job, and in the lower half how many of its pieces nobody has taken: what a
-     * thread takes is a piece of the job that there is now, however late it comes. */
+    /*
+     * Number of the job; in the lower half, the pieces that no thread has taken.  So a thread that
+     * arrives late takes a piece of the present job.
+     */
     _Atomic uint64_t ticket;
     char apart_2[POOL_LINE];
     atomic_size_t finished; /* pieces */
@@ -65,7 +66,7 @@ static uint64_t pool_job(uint64_t ticket)
     return ticket >> 32;
 }
 
-/* Takes a piece.  @return how many there were; 0: none */
+/* Takes a piece.  @return how many were left, including it; 0: none */
 static size_t pool_take(struct pool *pool)
 {
     uint64_t ticket = atomic_load(&pool->ticket);
@@ -75,7 +76,7 @@ static size_t pool_take(struct pool *pool)
     return (uint32_t)ticket;
 }
 
-/* Does pieces until none is left.  @return how many */
+/* Works until no piece is left.  @return how many it did */
 static size_t pool_pieces(struct pool *pool, size_t worker)
 {
     size_t count = 0;
@@ -95,7 +96,7 @@ static void pool_pause(void)
     }
 }
 
-/* --- the others ------------------------------------------------------------------------------- */
+/* --- other threads ---------------------------------------------------------------------------- */
 
 static bool pool_has_news(struct pool *pool, uint64_t seen)
 {
@@ -110,7 +111,7 @@ static void pool_stay_awake(struct pool *pool, uint64_t seen)
     }
 }
 
-/* Who asks for sleepers after he has changed the ticket misses nobody. */
+/* The caller changes the ticket before it reads `sleepers`: so it misses no sleeping thread. */
 static void pool_sleep(struct pool *pool, uint64_t seen)
 {
     pthread_mutex_lock(&pool->lock);
@@ -151,7 +152,7 @@ static void *pool_live(void *argument)
     return NULL;
 }
 
-/* --- the beginning and the end ---------------------------------------------------------------- */
+/* --- start and end ---------------------------------------------------------------------------- */
 
 static bool pool_has_processors(size_t threads)
 {
@@ -238,7 +239,7 @@ static void pool_wait(struct pool *pool)
     pthread_mutex_unlock(&pool->lock);
 }
 
-/* Lets the others begin.  @return when that was */
+/* Announces a job to the other threads.  @return the time */
 static uint64_t pool_announce(struct pool *pool)
 {
     uint64_t began_ns = mu_clock_ns();

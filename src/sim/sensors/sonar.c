@@ -3,7 +3,7 @@
 
 #include "muster/memory.h"
 
-#define SONAR_SLACK_M 1e-6 /* rounding must not leave out what is just in reach */
+#define SONAR_SLACK_M 1e-6 /* rounding must not exclude a solid that is just within reach */
 
 static uint32_t sonar_rays(const struct world_sonar *sonar)
 {
@@ -49,7 +49,7 @@ void sonar_init(struct sonar_ring *ring, const struct world_robot *robot)
     }
 }
 
-/* Sound that comes in too flat goes on instead of coming back. */
+/* An echo does not return if the angle of incidence is too large. */
 static bool sonar_is_lost(const struct sonar *sonar, const struct solid *hit, const double from[2],
                           const double along[2], double range)
 {
@@ -74,7 +74,7 @@ static double sonar_cast(const struct sonar *sonar, const struct sensing *at, co
     return sonar_is_lost(sonar, hit, from, along, range) ? sonar->range.max_m : range;
 }
 
-/* Casts the rays of a ring one by one through the grid. */
+/* Casts the rays of a ring one by one, through the grid. */
 static void sonar_cast_each(const struct sonar_ring *ring, struct sensing *at)
 {
     struct fan_rays *rays = &at->rays;
@@ -96,7 +96,7 @@ static void sonar_along(const struct sonar_ring *ring, size_t i, const struct se
     const struct frame *robot = &at->robot;
     along[0] = robot->c * ray->x - robot->s * ray->y;
     along[1] = robot->s * ray->x + robot->c * ray->y;
-    if (sonar->noise.angle_rad > 0) { /* the whole cone is turned */
+    if (sonar->noise.angle_rad > 0) { /* the noise turns the whole cone */
         noise_turn(&sonar->noise, along, draw_bits(at->key, i + MU_SONARS_MAX));
     }
 }
@@ -111,7 +111,7 @@ static void sonar_put_ray(struct fan_rays *rays, size_t k, const double from[2],
     rays->range_m[k] = range_m;
 }
 
-/* Lays out the rays of a ring in the world. */
+/* Places the rays of a ring in the world. */
 static void sonar_put_rays(const struct sonar_ring *ring, struct sensing *at)
 {
     const struct frame *robot = &at->robot;
@@ -133,7 +133,7 @@ static void sonar_put_rays(const struct sonar_ring *ring, struct sensing *at)
     at->rays.returns = SOLID_ECHOES;
 }
 
-/* What a sonar says of the nearest echo. */
+/* Computes the reading of a sonar from its nearest echo. */
 static float sonar_tell(const struct sonar *sonar, size_t i, const struct sensing *at)
 {
     const double *range_m = at->rays.range_m;
