@@ -76,13 +76,16 @@ static void up_take(struct session *s, const muster_Up *up)
         up_show(s, up, process);
     }
     if (process >= 0) {
-        s->processes[process].heard = true;
+        s->processes[process].joined |= MEMBER_HEARD;
     }
     bool is_answer = up->step == s->step || (s->options.free && up->step >= 0);
     if (process < 0 || !is_answer || s->processes[process].answered >= up->step) {
         return;
     }
     struct session_process *p = &s->processes[process];
+    if (!member_on(p, MEMBER_ANSWER)) {
+        return;
+    }
     p->answered = up->step;
     p->answered_wall_ns = mu_clock_ns();
     if (s->answers_missing > 0 && up->step == s->step) {
@@ -113,7 +116,7 @@ static void trip_take(struct session *s, const muster_Trip *t)
     }
     if (!r || !r->controlled) {
         roster_seat(s, t->agent, process);
-    } else if (s->processes[process].let_go) { /* it has died since */
+    } else if (s->processes[process].state == MEMBER_RELEASED) { /* it has died since */
         r->process = r->next_process = -1;
     } else if (r->process < 0) { /* the one that it set out from has died */
         r->process = process;

@@ -37,9 +37,9 @@ static mu_result silence_report(struct session *s)
         }
     }
     for (uint32_t i = 0; !broker_is_late && i < s->process_count; i++) {
-        bool attends = s->processes[i].watches || s->processes[i].hosts;
-        if (attends && !s->processes[i].left_out && s->processes[i].answered < s->step) {
-            mu_text_format(&who, " %s", s->processes[i].name);
+        const struct session_process *p = &s->processes[i];
+        if (p->roles != 0 && member_is_in_steps(p) && p->answered < s->step) {
+            mu_text_format(&who, " %s", p->name);
         }
     }
     return MU_TIMEOUT;

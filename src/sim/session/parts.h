@@ -43,23 +43,56 @@ struct session_robot {
     struct engine_percept percept;
 };
 
+/* What a process is in the run. */
+enum member_state {
+    MEMBER_REFUSES,    /* no state: the event is refused */
+    MEMBER_JOINING,    /* it has not had a step yet */
+    MEMBER_ACTIVE,     /* it takes part */
+    MEMBER_CONTESTED,  /* another process claims its place, and it may be dead */
+    MEMBER_LOST,       /* the network says that it is gone; it may come back */
+    MEMBER_SUPERSEDED, /* it is gone, and its place is another's, whether it comes back or not */
+    MEMBER_RELEASED,   /* its agents are free for its successor */
+    MEMBER_LEFT_OUT,   /* it is gone, nobody needs it, and steps go on without it */
+    MEMBER_STATES
+};
+
+enum member_event {
+    MEMBER_HEARTBEAT, /* its registration has come */
+    MEMBER_LOSS,      /* its liveliness or its registration has ended */
+    MEMBER_CLAIM,     /* another process has registered an agent or a host of its name */
+    MEMBER_ANSWER,    /* it has answered the step */
+    MEMBER_OWN_EVENTS,
+    MEMBER_JOINS = MEMBER_OWN_EVENTS, /* all that it needs is there, and it gets steps */
+    MEMBER_CLAIM_ENDS,                /* the process that claimed its place is gone */
+    MEMBER_LEAVES_OUT,                /* the steps go on without it */
+    MEMBER_RELEASES,                  /* recovery takes its agents from it */
+    MEMBER_EVENTS
+};
+
+enum {                     /* roles */
+       MEMBER_WATCHES = 1, /* it sees all bodies, and has none */
+       MEMBER_HOSTS = 2, /* it takes in robots: it belongs to the run, whether it has any or not */
+       MEMBER_ONLOOKS = 4, /* it watches, and all its agents are special: nobody needs it */
+};
+
+enum {                     /* what one that joins has of what it needs */
+       MEMBER_GREETED = 1, /* a Sense with nothing in it has gone to it */
+       MEMBER_HEARD = 2,   /* a sample of it has come */
+       MEMBER_READY = 4,   /* it says that it has matched all its partners */
+       MEMBER_JOINED = 7
+};
+
 struct session_process {
     char name[MU_PROCESS_MAX + 1];
     char broker[MU_NAME_MAX + 1]; /* of its agents */
     struct bus_writer sense;
-    bool watches; /* it sees all bodies, and has none */
-    bool onlooks; /* watches, and all its agents are special: it may die, as nobody needs it */
-    bool hosts;   /* it takes in robots: it belongs to the run, whether it has any or not, */
-    char host[MU_NAME_MAX + 1]; /* under this name */
-    bool left_out;              /* nobody waits for it */
-    bool lost;                  /* it is dead, or was stopped, in the middle of a lock step */
-    bool followed;              /* another one wants to take its place, */
-    bool let_go;                /* which it may: this one has no part in the run any more */
-    bool comes;                 /* instead of one that died; it has no step yet */
-    bool ready;                 /* it has matched all that it needs */
-    bool heard;                 /* a sample of it has come */
-    bool greeted;               /* a Sense with nothing in it has gone to it */
-    int64_t answered;           /* the last step that it has answered */
+    enum member_state state;
+    unsigned roles;                   /* MEMBER_WATCHES ... */
+    unsigned joined;                  /* MEMBER_GREETED ... */
+    char host[MU_NAME_MAX + 1];       /* the name of one that hosts */
+    char claimer[MU_PROCESS_MAX + 1]; /* of one that is contested: the process that claims it */
+    uint32_t refused;                 /* events that its state does not allow */
+    int64_t answered;                 /* the last step that it has answered */
     uint64_t answered_wall_ns;
     muster_Sense sample; /* what it is sent; its robots lie in the session's pool */
     bool sample_pending; /* the network has refused it: try again */
@@ -174,9 +207,6 @@ struct session_robot *roster_robot(struct session *s, const char *name);
 /** @return the index of the process of that name, or -1 */
 int32_t roster_process(const struct session *s, const char *name);
 
-/** @return whether it has died, and another one wants to take its place */
-bool roster_is_gone(const struct session_process *p);
-
 /** Takes who controls or watches what, and who has gone. */
 void roster_register(struct session *s, const muster_Registration *r, enum bus_life life);
 
@@ -210,6 +240,28 @@ void roster_pass_guests(struct session *s, uint32_t process);
 
 /** Between two steps: those who have moved are with their new processes. */
 void roster_change_processes(struct session *s);
+
+/* --- member.c: the states of a process -------------------------------------------------------- */
+
+/**
+ * Applies an event to a process.
+ *
+ * @return false: its state refuses that of a peer, which is counted.  One of the session's own that
+ *         is refused ends the program.
+ */
+bool member_on(struct session_process *p, enum member_event event);
+
+/** Another process claims what a process has.  A process does not claim its own. */
+void member_claim(struct session_process *p, const char *claimer);
+
+/** A process is gone: what it claimed is not contested any more. */
+void member_claim_ends(struct session_process *p, const char *claimer);
+
+/** @return whether it gets each step, which waits for its answer */
+bool member_is_in_steps(const struct session_process *p);
+
+/** @return whether the run needs it, even if it has no agent: it watches as resolvers do */
+bool member_is_needed(const struct session_process *p);
 
 /* --- inbox.c: what comes in ------------------------------------------------------------------- */
 

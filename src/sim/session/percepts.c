@@ -116,7 +116,7 @@ void percepts_send(struct session *s, bool last)
     s->answers_missing = 0;
     for (uint32_t i = 0; i < s->process_count; i++) {
         struct session_process *p = &s->processes[i];
-        if (!p->left_out) {
+        if (member_is_in_steps(p)) {
             (void)percepts_write(p);
             s->answers_missing++;
         }

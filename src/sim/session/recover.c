@@ -18,7 +18,8 @@ uint64_t recover_patience_ns(const struct session *s)
 {
     bool lost = false;
     for (uint32_t i = 0; i < s->process_count; i++) {
-        lost = lost || s->processes[i].lost;
+        enum member_state state = s->processes[i].state;
+        lost = lost || state == MEMBER_LOST || state == MEMBER_SUPERSEDED;
     }
     bool longer = lost && s->options.return_ns > s->options.silence_ns;
     return longer ? s->options.return_ns : s->options.silence_ns;
@@ -28,18 +29,19 @@ bool recover_is_due(const struct session *s)
 {
     bool due = false;
     for (uint32_t i = 0; i < s->process_count; i++) {
-        due = due || (roster_is_gone(&s->processes[i]) && s->processes[i].answered < s->step);
+        const struct session_process *p = &s->processes[i];
+        due = due || (p->state == MEMBER_SUPERSEDED && p->answered < s->step);
     }
     return due;
 }
 
 /* Its robots stand still, and are free for another process. */
-static void process_let_go(struct session *s, uint32_t process)
+static void process_release(struct session *s, uint32_t process)
 {
     roster_rest(s, process);
     guests_renumber(s->guests, (int32_t)process, -1);
-    s->processes[process].watches = s->processes[process].hosts = false;
-    s->processes[process].let_go = true;
+    s->processes[process].roles = 0;
+    (void)member_on(&s->processes[process], MEMBER_RELEASES);
     for (size_t i = 0; i < s->robot_count; i++) {
         struct session_robot *r = &s->robots[i];
         r->process = r->next_process >= 0 ? r->next_process : r->process; /* it has moved on */
@@ -54,12 +56,12 @@ static void process_let_go(struct session *s, uint32_t process)
 }
 
 /* @return whether there are any whom the broker does not know of yet */
-static bool lost_let_go(struct session *s)
+static bool superseded_release(struct session *s)
 {
     bool any = false;
     for (uint32_t i = 0; i < s->process_count; i++) {
-        if (roster_is_gone(&s->processes[i]) && !s->processes[i].let_go) {
-            process_let_go(s, i);
+        if (s->processes[i].state == MEMBER_SUPERSEDED) {
+            process_release(s, i);
             any = true;
         }
     }
@@ -89,13 +91,16 @@ static void steps_give(struct session *s)
     s->answers_missing = 0;
     for (uint32_t i = 0; i < s->process_count; i++) {
         struct session_process *p = &s->processes[i];
-        if (p->comes && under_way && s->mail_step >= s->step) {
+        bool joins = p->state == MEMBER_JOINING;
+        if (joins && under_way && s->mail_step >= s->step) {
             step_pass(s, i);
-        } else if (p->comes && under_way) {
+        } else if (joins && under_way) {
             (void)percepts_write(p);
         }
-        p->comes = false;
-        s->answers_missing += under_way && !p->left_out && p->answered < s->step;
+        if (joins) {
+            (void)member_on(p, MEMBER_JOINS);
+        }
+        s->answers_missing += under_way && member_is_in_steps(p) && p->answered < s->step;
     }
 }
 
@@ -120,10 +125,10 @@ static bool is_last(const struct session *s)
 static mu_result others_await(struct session *s, const volatile sig_atomic_t *signal_came)
 {
     uint64_t began_ns = mu_clock_ns();
-    bool told = lost_let_go(s) && roster_tell(s, true) == MU_OK;
+    bool told = superseded_release(s) && roster_tell(s, true) == MU_OK;
     while (true) {
         inbox_take(s);
-        told = told && !lost_let_go(s); /* others may die, too */
+        told = told && !superseded_release(s); /* others may die, too */
         told = told || roster_tell(s, true) == MU_OK;
         bool there = is_last(s) ? s->mail_step >= s->step - 1 : roster_is_complete(s);
         if (told && there) {

@@ -26,7 +26,7 @@ static int32_t process_add(struct session *s, const char *name)
         return found;
     }
     struct session_process *p = &s->processes[s->process_count];
-    *p = (struct session_process){.answered = -1};
+    *p = (struct session_process){.state = MEMBER_JOINING, .answered = -1};
     mu_text_copy(p->name, sizeof p->name, name);
     if (bus_writer_open(&s->bus, BUS_SENSE, name, NULL, &p->sense) != MU_OK) {
         return -1;
@@ -49,7 +49,7 @@ void roster_lay_out(struct session *s)
                 p->sample.robots._length++;
             }
         }
-        if (p->watches) {
+        if (p->roles & MEMBER_WATCHES) {
             p->sample.robots._buffer = s->bodies;
             p->sample.robots._length = (uint32_t)s->robot_count;
         }
@@ -137,14 +137,14 @@ static bool watcher_take(struct session *s, const muster_Registration *r, bool w
     if (process < 0 && watches && r->part == 0 && !(onlooks && s->step >= 0)) {
         process = process_add(s, r->process);
     }
-    if (process >= 0 && watches) {
-        s->processes[process].onlooks = onlooks;
-    }
-    if (process < 0 || s->processes[process].watches == watches) {
+    if (process < 0) {
         return false;
     }
-    s->processes[process].watches = watches;
-    return true;
+    struct session_process *p = &s->processes[process];
+    bool changed = ((p->roles & MEMBER_WATCHES) != 0) != watches;
+    p->roles &= (unsigned)MEMBER_HOSTS;
+    p->roles |= watches ? MEMBER_WATCHES | (onlooks ? MEMBER_ONLOOKS : 0) : 0;
+    return changed;
 }
 
 /* Where robots may go. */
@@ -156,13 +156,13 @@ static void host_take(struct session *s, const muster_Registration *r, enum bus_
         if (e->kind == muster_KIND_HOST && e->state != muster_STATE_ABSENT) {
             process = process < 0 ? process_add(s, r->process) : process;
             if (process >= 0) {
-                s->processes[process].hosts = true;
+                s->processes[process].roles |= MEMBER_HOSTS;
                 mu_text_copy(s->processes[process].host, MU_NAME_MAX + 1, e->name);
             }
         }
     }
     if (life != BUS_DATA && process >= 0) {
-        s->processes[process].hosts = false;
+        s->processes[process].roles &= ~(unsigned)MEMBER_HOSTS;
     }
 }
 
@@ -179,7 +179,8 @@ void roster_register(struct session *s, const muster_Registration *r, enum bus_l
             mu_text_copy(s->processes[process].broker, MU_NAME_MAX + 1, r->broker);
         }
         if (process >= 0 && r->part == 0) { /* the others are not written for that */
-            s->processes[process].ready = r->ready;
+            unsigned *joined = &s->processes[process].joined;
+            *joined = r->ready ? *joined | MEMBER_READY : *joined & ~(unsigned)MEMBER_READY;
         }
     } else {
         changed = process_leave(s, r, life == BUS_LOST) || changed;
@@ -191,27 +192,6 @@ void roster_register(struct session *s, const muster_Registration *r, enum bus_l
 
 /* --- who dies while a lock step goes on ------------------------------------------------------- */
 
-bool roster_is_gone(const struct session_process *p)
-{
-    return p->lost && p->followed;
-}
-
-/* Nobody follows himself: who has come back says again who he is. */
-static void followed_note(struct session *s, uint32_t process, const char *by)
-{
-    struct session_process *p = &s->processes[process];
-    p->followed = p->followed || strcmp(p->name, by) != 0;
-}
-
-static void follow_watchers(struct session *s, const char *by)
-{
-    for (uint32_t i = 0; i < s->process_count; i++) {
-        if (s->processes[i].watches && !s->processes[i].onlooks) {
-            followed_note(s, i, by);
-        }
-    }
-}
-
 /* @return the process of a robot, of an agent without a body, or of a host of that name; -1 */
 static int32_t process_of(const struct session *s, const muster_Entry *e)
 {
@@ -220,56 +200,53 @@ static int32_t process_of(const struct session *s, const muster_Entry *e)
     int32_t process = robot != MU_NONE ? s->robots[robot].process : guest ? guest->process : -1;
     for (uint32_t i = 0; i < s->process_count && e->kind == muster_KIND_HOST; i++) {
         const struct session_process *p = &s->processes[i];
-        process = p->hosts && strcmp(p->host, e->name) == 0 ? (int32_t)i : process;
+        process = (p->roles & MEMBER_HOSTS) && strcmp(p->host, e->name) == 0 ? (int32_t)i : process;
     }
     return process;
 }
 
-/* Who is stopped may go on; who has a successor does not. */
-static void follow(struct session *s, const muster_Registration *r)
+/* A process that is not in the run claims places in it.  A second watcher claims nothing, unless a
+ * watcher is lost. */
+static void claims_take(struct session *s, const muster_Registration *r)
 {
     for (uint32_t i = 0; i < r->agents._length; i++) {
         const muster_Entry *e = &r->agents._buffer[i];
         int32_t process = process_of(s, e);
         if (process >= 0 && e->state != muster_STATE_ABSENT) {
-            followed_note(s, (uint32_t)process, r->process);
+            member_claim(&s->processes[process], r->process);
         }
     }
-    if (r->watches && !roster_onlooks(r)) {
-        follow_watchers(s, r->process);
+    for (uint32_t i = 0; i < s->process_count && r->watches && !roster_onlooks(r); i++) {
+        struct session_process *p = &s->processes[i];
+        if (member_is_needed(p) && p->state == MEMBER_LOST) {
+            member_claim(p, r->process);
+        }
     }
 }
 
-/* Nobody comes to a lock step that goes on; who goes is noted, and may have been slow only. */
-static void loss_take(struct session *s, const muster_Registration *r, enum bus_life life)
+static void claims_end(struct session *s, const char *claimer)
 {
-    int32_t process = roster_process(s, r->process);
-    if (process >= 0 && (life != BUS_DISPOSED || r->part == 0)) {
-        s->processes[process].lost = life != BUS_DATA;
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        member_claim_ends(&s->processes[i], claimer);
     }
 }
 
 void roster_hear(struct session *s, const muster_Registration *r, enum bus_life life)
 {
     int32_t process = roster_process(s, r->process);
-    struct session_process *p = process >= 0 ? &s->processes[process] : NULL;
-    if (s->options.return_ns == 0) {
-        loss_take(s, r, life);
-        return;
+    bool joins = process < 0 || s->processes[process].state == MEMBER_JOINING;
+    bool leaves = life == BUS_LOST || (life == BUS_DISPOSED && r->part == 0);
+    if (leaves) {
+        claims_end(s, r->process);
     }
-    if (p && !p->comes) {
-        p->lost = roster_is_gone(p) || life != BUS_DATA;
-        return;
+    if (!joins && (leaves || life == BUS_DATA)) {
+        (void)member_on(&s->processes[process], leaves ? MEMBER_LOSS : MEMBER_HEARTBEAT);
     }
-    if (life == BUS_DATA) {
-        follow(s, r);
+    if (joins && life == BUS_DATA && s->options.return_ns > 0) {
+        claims_take(s, r);
     }
-    if (s->held) {
+    if (joins && s->held) {
         roster_register(s, r, life);
-        process = roster_process(s, r->process);
-        if (process >= 0) {
-            s->processes[process].comes = true;
-        }
     }
 }
 
@@ -278,16 +255,16 @@ void roster_hear(struct session *s, const muster_Registration *r, enum bus_life 
 /* The first sample of a writer can come a tenth of a second late, so it is not a step's. */
 static void process_greet(struct session_process *p)
 {
-    if (!p->greeted && bus_writer_reaches(&p->sense, p->name)) {
+    if (!(p->joined & MEMBER_GREETED) && bus_writer_reaches(&p->sense, p->name)) {
         muster_Sense hello = {.process = p->name, .step = muster_STEP_NOW};
-        p->greeted = bus_write(&p->sense, &hello) == MU_OK;
+        p->joined |= bus_write(&p->sense, &hello) == MU_OK ? MEMBER_GREETED : 0;
     }
 }
 
 static bool process_is_ready(const struct session *s, int32_t process)
 {
     const struct session_process *p = &s->processes[process];
-    return p->ready && p->heard && bus_reader_hears(&s->ups, &p->sense, p->name);
+    return p->joined == MEMBER_JOINED && bus_reader_hears(&s->ups, &p->sense, p->name);
 }
 
 /* A lock step has one broker, which its Roster is for.  @return its name; "" when no robot is there
@@ -310,7 +287,7 @@ static const char *broker_of(const struct session *s)
 static bool process_attends(const struct session *s, const struct session_process *p)
 {
     const char *broker = broker_of(s);
-    return (p->watches || p->hosts) && (broker[0] == '\0' || strcmp(p->broker, broker) == 0);
+    return p->roles != 0 && (broker[0] == '\0' || strcmp(p->broker, broker) == 0);
 }
 
 static void missing_add(struct mu_text *missing, uint32_t count, uint32_t wanted, const char *what)
@@ -328,11 +305,11 @@ static void attendants_await(const struct session *s, struct mu_text *missing)
     uint32_t watchers = 0, hosts = 0;
     for (uint32_t i = 0; i < s->process_count; i++) {
         const struct session_process *p = &s->processes[i];
-        if (!process_attends(s, p)) {
+        if (!process_attends(s, p) || p->state == MEMBER_LEFT_OUT) {
             continue;
         }
-        watchers += p->watches && !p->onlooks;
-        hosts += p->hosts;
+        watchers += member_is_needed(p);
+        hosts += (p->roles & MEMBER_HOSTS) != 0;
         if (!process_is_ready(s, (int32_t)i)) {
             mu_text_format(missing, "%s%s", missing->len ? " " : "", p->name);
         }
@@ -394,7 +371,7 @@ mu_result roster_tell(struct session *s, bool lockstep)
     uint32_t count = 0;
     for (uint32_t i = 0; i < s->process_count; i++) {
         const struct session_process *p = &s->processes[i];
-        if (!p->let_go && !p->left_out && !(s->held && p->comes)) {
+        if (member_is_in_steps(p) && !(s->held && p->state == MEMBER_JOINING)) {
             names[count++] = s->processes[i].name;
         }
     }
@@ -481,14 +458,14 @@ void roster_leave_out(struct session *s)
     bool changed = false;
     for (uint32_t i = 0; i < s->process_count; i++) {
         struct session_process *p = &s->processes[i];
-        bool answers = !p->lost || p->answered >= s->step;
-        bool is_needed = (p->watches && !p->onlooks) || process_is_needed(s, i);
-        if (answers || p->left_out || is_needed) {
+        bool is_silent = p->state == MEMBER_LOST && p->answered < s->step;
+        if (!is_silent || member_is_needed(p) || process_is_needed(s, i)) {
             continue;
         }
         roster_rest(s, i);
         mu_log(MU_LOG_WARNING, "left-out", "process=%s step=%lld", p->name, (long long)s->step);
-        p->left_out = changed = true;
+        (void)member_on(p, MEMBER_LEAVES_OUT);
+        changed = true;
         p->sample_pending = false;
         s->answers_missing -= s->answers_missing > 0;
     }

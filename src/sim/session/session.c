@@ -89,6 +89,9 @@ mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_
         bus_wait(&s->bus, 1, IMPATIENT_NS);
     }
     roster_prune(s);
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        (void)member_on(&s->processes[i], MEMBER_JOINS);
+    }
     roster_lay_out(s);
     s->step = 0;
     s->first_step_wall_ns = s->last_step_wall_ns = s->pace_wall_ns = mu_clock_ns();
