@@ -256,7 +256,7 @@ static bool robots_choose(struct session *s, const struct mu_option_list *names)
 
 static int session_live(struct session *s)
 {
-    mu_result gathered = session_gather(s, &signal_came);
+    mu_result gathered = session_gather(s);
     if (gathered == MU_DONE) {
         return signal_came ? MU_EXIT_INTERRUPTED : MU_EXIT_DONE;
     }
@@ -264,11 +264,12 @@ static int session_live(struct session *s)
         mu_network_missed(&set.network, "muster sim", (int)set.network.domain);
         return MU_EXIT_DDS;
     }
-    if (session_run(s, &signal_came) != MU_OK) {
+    mu_result ran = session_run(s);
+    if (ran == MU_TIMEOUT) {
         fprintf(stderr, "muster sim: %s\n", s->waits_for);
         return MU_EXIT_CRASH;
     }
-    return s->interrupted ? MU_EXIT_INTERRUPTED : MU_EXIT_DONE;
+    return ran == MU_DONE ? MU_EXIT_INTERRUPTED : MU_EXIT_DONE;
 }
 
 /* What `muster run` says itself of its runs. */
@@ -374,6 +375,7 @@ static int session_make(struct simulator *sim, uint64_t step_ns)
                                       .hosts = (uint32_t)set.hosts,
                                       .network = &set.network,
                                       .saves = open(set.saves, O_PATH | O_DIRECTORY | O_CLOEXEC),
+                                      .signal_came = &signal_came,
                                       .silence_ns = (uint64_t)(set.silence_s * 1e9),
                                       .return_ns = (uint64_t)(set.return_s * 1e9)};
     if (session_open(s, &options, sim->world, sim->engine, sim->tracks) != MU_OK) {

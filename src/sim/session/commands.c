@@ -69,7 +69,6 @@ static struct outcome pace_change(struct session *s, const muster_RunCommand *c)
     s->options.rate = c->rate;
     s->pace_step = s->step > 0 ? s->step : 0;
     s->pace_wall_ns = mu_clock_ns();
-    s->paced_anew = true;
     return commands_outcome(muster_ORDER_DONE, "");
 }
 

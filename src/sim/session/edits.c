@@ -194,11 +194,14 @@ static void script_orders_look(struct session *s)
 static void order_hold_run(struct session *s)
 {
     uint64_t until_ns = mu_clock_ns() + HOLD_PATIENCE_NS;
-    s->go = s->options.free;
-    while (!s->go && !s->end && mu_clock_ns() < until_ns) {
+    (void)phase_on(s, PHASE_PAUSES);
+    while (phase_is_paused(s) && mu_clock_ns() < until_ns) {
         bus_wait(&s->bus, 1, HOLD_WAIT_NS);
         inbox_take(s);
-        (void)status_tell(s, muster_RUN_RUNNING, false);
+        (void)status_tell(s, false);
+    }
+    if (phase_is_paused(s)) {
+        (void)phase_on(s, PHASE_RESUMES);
     }
 }
 
@@ -215,7 +218,7 @@ void edits_apply(struct session *s)
             observe_order(s, c);
         }
         commands_answer(s, c, &o);
-        if (c->order == muster_RUN_HOLD) {
+        if (c->order == muster_RUN_HOLD && !s->options.free) {
             order_hold_run(s);
         }
     }

@@ -91,7 +91,9 @@ static void up_take(struct session *s, const muster_Up *up)
     if (s->answers_missing > 0 && up->step == s->step) {
         s->answers_missing--;
     }
-    s->moves = s->moves || (up->trips._length > 0 && !s->options.free);
+    if (up->trips._length > 0 && !s->options.free) {
+        (void)phase_on(s, PHASE_DEPARTURE);
+    }
     for (uint32_t i = 0; i < up->acts._length; i++) {
         act_take(s, &up->acts._buffer[i], process);
     }
@@ -149,7 +151,7 @@ static void registrations_take(struct session *s)
         if (is_broker) {
             continue;
         }
-        if (s->step < 0 || s->options.free) {
+        if (!phase_has_begun(s) || s->options.free) {
             roster_register(s, r, life);
             continue;
         }
@@ -168,8 +170,7 @@ static void run_commands_take(struct session *s)
         if (c->order > muster_RUN_END) {
             commands_take(s, c);
         } else {
-            s->go = s->go || c->order == muster_RUN_GO;
-            s->end = s->end || c->order == muster_RUN_END;
+            (void)phase_on(s, c->order == muster_RUN_GO ? PHASE_GO : PHASE_END);
         }
     }
 }

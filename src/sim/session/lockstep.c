@@ -53,7 +53,7 @@ static uint64_t samples_missing(const struct session *s)
 }
 
 /* Waits for the answers of this step, and for the mail of the one before. */
-static mu_result answers_wait(struct session *s, const volatile sig_atomic_t *signal_came)
+static mu_result answers_wait(struct session *s)
 {
     uint64_t began_ns = s->last_step_wall_ns;
     for (;;) {
@@ -61,11 +61,11 @@ static mu_result answers_wait(struct session *s, const volatile sig_atomic_t *si
         if (s->answers_missing == 0 && s->mail_step >= s->step - 1) {
             return MU_OK;
         }
-        if (s->end || *signal_came) {
+        if (phase_ends(s)) {
             return MU_DONE;
         }
         if (recover_is_due(s)) {
-            mu_result back = recover_await(s, signal_came);
+            mu_result back = recover_await(s);
             if (back != MU_OK) {
                 return back;
             }
@@ -80,63 +80,61 @@ static mu_result answers_wait(struct session *s, const volatile sig_atomic_t *si
             roster_leave_out(s);
         }
         bus_wait(&s->bus, samples_missing(s), percepts_retry(s) ? WAIT_NS : RETRY_NS);
-        (void)status_tell(s, muster_RUN_RUNNING, false);
+        (void)status_tell(s, false);
     }
 }
 
-static bool goes_on(const struct session *s, const volatile sig_atomic_t *signal_came)
+static bool goes_on(struct session *s)
 {
     bool in_time = s->options.duration_ns == 0 ||
                    (uint64_t)s->step * s->options.step_ns < s->options.duration_ns;
-    return in_time && !s->end && !*signal_came;
+    return in_time && !phase_ends(s);
 }
 
-/* Waits until its time has come on the monotonic clock, taking in what comes meanwhile. */
-static void wait_until(struct session *s, uint64_t due_ns, const volatile sig_atomic_t *signal_came)
+/* @return when the step may begin, by the clock of the rate, or, in free running, may end */
+static uint64_t due_ns(const struct session *s)
 {
-    for (uint64_t now_ns = mu_clock_ns();
-         now_ns < due_ns && !s->end && !*signal_came && !s->paced_anew; now_ns = mu_clock_ns()) {
-        int64_t wait_ns = (int64_t)(due_ns - now_ns);
+    double rate = s->options.free ? 1.0 : s->options.rate;
+    double steps = (double)(s->step - s->pace_step + s->options.free);
+    double due_ns = rate > 0.0 ? steps * (double)s->options.step_ns / rate : 0.0;
+    return s->pace_wall_ns + (uint64_t)fmin(due_ns, PACE_MAX_NS);
+}
+
+/* Waits until the time of the step has come, taking in what comes meanwhile, such as another rate.
+ */
+static void pace(struct session *s)
+{
+    for (uint64_t now_ns = mu_clock_ns(); now_ns < due_ns(s) && !phase_ends(s);
+         now_ns = mu_clock_ns()) {
+        int64_t wait_ns = (int64_t)(due_ns(s) - now_ns);
         bus_wait(&s->bus, 1, wait_ns < WAIT_NS ? wait_ns : WAIT_NS);
         inbox_take(s);
-        (void)status_tell(s, muster_RUN_RUNNING, false);
+        (void)status_tell(s, false);
     }
-}
-
-/* Paces the run: a step may begin when its time has come on the clock of the rate. */
-static void pace(struct session *s, const volatile sig_atomic_t *signal_came)
-{
-    if (s->options.rate <= 0.0) {
-        return;
-    }
-    do {
-        s->paced_anew = false;
-        double due_ns =
-            (double)(s->step - s->pace_step) * (double)s->options.step_ns / s->options.rate;
-        wait_until(s, s->pace_wall_ns + (uint64_t)fmin(due_ns, PACE_MAX_NS), signal_came);
-    } while (s->paced_anew && s->options.rate > 0.0);
     s->last_step_wall_ns = mu_clock_ns(); /* silence counts from here */
 }
 
 /* A robot has set out: the next step begins when the broker has said where it is. */
-static mu_result moves_wait(struct session *s, const volatile sig_atomic_t *signal_came)
+static mu_result moves_wait(struct session *s)
 {
-    if (!s->moves) {
+    if (s->phase != PHASE_SETTLING) {
         return MU_OK;
     }
     s->answers_missing = 0;
-    mu_result waited = answers_wait(s, signal_came);
-    s->moves = false;
+    mu_result waited = answers_wait(s);
+    if (waited == MU_OK) {
+        (void)phase_on(s, PHASE_SETTLED);
+    }
     roster_change_processes(s);
     s->last_step_wall_ns = mu_clock_ns();
     return waited;
 }
 
-mu_result lockstep_run(struct session *s, const volatile sig_atomic_t *signal_came)
+mu_result lockstep_run(struct session *s)
 {
     mu_result waited = MU_OK;
-    while (goes_on(s, signal_came) && waited == MU_OK) {
-        pace(s, signal_came);
+    while (goes_on(s) && waited == MU_OK) {
+        pace(s);
         percepts_read(s);
         /* The very first step waits for the broker: it must know the roster. */
         if (s->step > 0) {
@@ -146,20 +144,20 @@ mu_result lockstep_run(struct session *s, const volatile sig_atomic_t *signal_ca
         observe_begin(s, false);
         if (s->step == 0) {
             s->answers_missing = 0;
-            waited = answers_wait(s, signal_came);
+            waited = answers_wait(s);
             s->first_step_wall_ns = s->last_step_wall_ns = s->pace_wall_ns = mu_clock_ns();
             percepts_send(s, false);
         }
-        waited = waited == MU_OK ? answers_wait(s, signal_came) : waited;
+        waited = waited == MU_OK ? answers_wait(s) : waited;
         if (waited == MU_OK) {
             step_finish(s);
-            waited = moves_wait(s, signal_came);
-            (void)status_tell(s, muster_RUN_RUNNING, false);
+            waited = moves_wait(s);
+            (void)status_tell(s, false);
         }
     }
-    if (waited == MU_OK && !s->end && !*signal_came) {
+    if (waited == MU_OK && !phase_ends(s)) {
         s->answers_missing = 0; /* the mail of the last step is part of the hash */
-        waited = answers_wait(s, signal_came);
+        waited = answers_wait(s);
     }
     return waited == MU_DONE ? MU_OK : waited;
 }
@@ -176,20 +174,18 @@ static void roster_renew(struct session *s)
     }
 }
 
-mu_result lockstep_run_free(struct session *s, const volatile sig_atomic_t *signal_came)
+mu_result lockstep_run_free(struct session *s)
 {
-    uint64_t due_ns = mu_clock_ns();
-    while (goes_on(s, signal_came)) {
+    while (goes_on(s)) {
         percepts_read(s);
         s->skipped += s->answers_missing;
         percepts_send(s, false);
         step_record(s);
         observe_begin(s, false);
-        due_ns += s->options.step_ns;
-        wait_until(s, due_ns, signal_came);
+        pace(s);
         step_finish(s);
         roster_renew(s);
-        (void)status_tell(s, muster_RUN_RUNNING, false);
+        (void)status_tell(s, false);
     }
     return MU_OK;
 }

@@ -114,8 +114,43 @@ struct session_options {
     const struct mu_network *network; /* how long to wait for the broker */
     int saves;                        /* the open folder that states are saved in */
     uint64_t silence_ns;              /* wall time after which a silent controller is a fault */
+    const volatile sig_atomic_t *signal_came; /* not 0: the run is to end */
     uint64_t return_ns; /* wall time that a lock step waits for one that died to be started again;
                            0: that is a fault at once */
+};
+
+/* What the run is doing. */
+enum phase {
+    PHASE_REFUSES,   /* no phase: the event is refused */
+    PHASE_GATHERING, /* somebody is missing */
+    PHASE_READY,     /* everybody is there; the word to go is missing */
+    PHASE_CALLED,    /* the word to go has come; the first step begins when everybody is there */
+    PHASE_RUNNING,
+    PHASE_SETTLING,        /* an agent departs: the next step waits for the broker's word */
+    PHASE_PAUSED,          /* an order has paused it until the word to go */
+    PHASE_PAUSED_SETTLING, /* likewise, and then it settles */
+    PHASE_HELD,            /* it waits for a process that is being started again */
+    PHASE_HELD_SETTLING,   /* likewise, and then it settles */
+    PHASE_ENDING,
+    PHASE_DONE,
+    PHASE_FAULT,
+    PHASES
+};
+
+enum phase_event {
+    PHASE_GO,        /* somebody says that it is to begin, or to go on */
+    PHASE_END,       /* somebody, a signal or its duration says that it is to end */
+    PHASE_DEPARTURE, /* an answer of the step has an agent that departs */
+    PHASE_OWN_EVENTS,
+    PHASE_COMPLETE = PHASE_OWN_EVENTS,
+    PHASE_INCOMPLETE,
+    PHASE_SETTLED, /* the broker has said where those are who departed */
+    PHASE_PAUSES,
+    PHASE_HOLDS,
+    PHASE_RESUMES, /* from a pause or a hold */
+    PHASE_FINISHES,
+    PHASE_FAILS,
+    PHASE_EVENTS
 };
 
 struct session {
@@ -140,6 +175,8 @@ struct session {
     muster_Percept *bodies; /* what those see who watch: every robot's pose, in the world's order */
     muster_RobotTotals *totals;
     muster_ObjectPlace *places; /* of the objects */
+    enum phase phase;
+    uint32_t refused; /* events that the phase does not allow */
     int64_t step;
     int64_t mail_step; /* the last step whose Delivery is in */
     /* Digests of the mails from outside, of even and of odd steps: the broker may be a step ahead.
@@ -148,17 +185,14 @@ struct session {
     uint32_t answers_missing;
     int64_t sent_step;          /* the last step that went out */
     int64_t recorded;           /* the first step that the hash and the tracks do not have yet */
-    bool held;                  /* the lock step waits for a process that is being started again */
     unsigned char *snapshot;    /* room for one */
     struct order_queue *orders; /* that wait for the end of this step */
     struct script *script;      /* those that wait for later, and events */
     struct condition_names body_names;
     int64_t pace_step; /* since when, and since which step, it goes at this rate */
     uint64_t pace_wall_ns;
-    bool paced_anew; /* the rate has changed while the run waited for its time */
     uint64_t first_step_wall_ns, last_step_wall_ns, status_wall_ns;
     uint64_t skipped;
-    bool moves; /* somebody has set out in this step: the next one waits for the broker's word */
     bool roster_due;         /* the network has refused it */
     uint32_t roster_readers; /* that it had found when it was told, in free running */
     struct record_listener listener;
@@ -170,8 +204,6 @@ struct session {
     unsigned view_for;           /* this step's Frame: SESSION_FOR_...; 0: nobody wants it */
     uint64_t latest_wall_ns;     /* when the last Frame went into "latest" */
     uint64_t frames_lost;        /* that the network did not take */
-    bool go, end;
-    bool interrupted; /* a signal has ended the run before its time */
     char waits_for[1024];
     char hash_text[RUN_HASH_TEXT];
 };
@@ -188,16 +220,16 @@ MU_MUST_USE mu_result session_open(struct session *s, const struct session_optio
  *
  * @return MU_OK; MU_TIMEOUT: no broker answers; MU_DONE: ended before it began
  */
-MU_MUST_USE mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_came);
+MU_MUST_USE mu_result session_gather(struct session *s);
 
 /**
  * Runs to the end, and says how it ended.  Who has started the run is waited for until that has
  * come; a signal behind the end says that it has.
  *
- * @return MU_OK; MU_TIMEOUT: a controller or the broker was silent for too long, and waits_for
- *         says which
+ * @return MU_OK; MU_DONE: a signal has ended it before its time; MU_TIMEOUT: a controller or the
+ *         broker was silent for too long, and waits_for says which
  */
-MU_MUST_USE mu_result session_run(struct session *s, const volatile sig_atomic_t *signal_came);
+MU_MUST_USE mu_result session_run(struct session *s);
 
 /* --- roster.c: who belongs to the run --------------------------------------------------------- */
 
@@ -262,6 +294,28 @@ bool member_is_in_steps(const struct session_process *p);
 
 /** @return whether the run needs it, even if it has no agent: it watches as resolvers do */
 bool member_is_needed(const struct session_process *p);
+
+/* --- phase.c: the states of a run ------------------------------------------------------------- */
+
+/**
+ * Applies an event to a run.
+ *
+ * @return false: the phase refuses that of a peer, which is counted.  One of the session's own that
+ *         is refused ends the program.
+ */
+bool phase_on(struct session *s, enum phase_event event);
+
+/** Takes note of a signal.  @return whether the run is to end */
+bool phase_ends(struct session *s);
+
+/** @return whether the first step has begun */
+bool phase_has_begun(const struct session *s);
+
+bool phase_is_held(const struct session *s);
+bool phase_is_paused(const struct session *s);
+
+/** @return the phase, in the words of the wire */
+muster_RunState phase_word(const struct session *s);
 
 /* --- inbox.c: what comes in ------------------------------------------------------------------- */
 
@@ -354,7 +408,7 @@ void observe_close(struct session *s);
 /* --- status.c --------------------------------------------------------------------------------- */
 
 /** Says how the run goes; at most every 50 ms unless always.  @return false: the network is busy */
-bool status_tell(struct session *s, muster_RunState state, bool always);
+bool status_tell(struct session *s, bool always);
 
 /* --- step.c: the parts of one step ------------------------------------------------------------ */
 
@@ -382,15 +436,14 @@ bool recover_is_due(const struct session *s);
  * @return MU_OK; MU_TIMEOUT: they did not come within return_ns, and waits_for says who; MU_DONE:
  *         the run was ended
  */
-MU_MUST_USE mu_result recover_await(struct session *s, const volatile sig_atomic_t *signal_came);
+MU_MUST_USE mu_result recover_await(struct session *s);
 
 /* --- lockstep.c: one step after the other ----------------------------------------------------- */
 
 /** Runs in lock step to the end.  @return MU_OK, or as session_run */
-MU_MUST_USE mu_result lockstep_run(struct session *s, const volatile sig_atomic_t *signal_came);
+MU_MUST_USE mu_result lockstep_run(struct session *s);
 
 /** Runs freely to the end. */
-MU_MUST_USE mu_result lockstep_run_free(struct session *s,
-                                        const volatile sig_atomic_t *signal_came);
+MU_MUST_USE mu_result lockstep_run_free(struct session *s);
 
 #endif

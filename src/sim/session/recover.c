@@ -122,7 +122,7 @@ static bool is_last(const struct session *s)
            (uint64_t)s->step * s->options.step_ns >= s->options.duration_ns;
 }
 
-static mu_result others_await(struct session *s, const volatile sig_atomic_t *signal_came)
+static mu_result others_await(struct session *s)
 {
     uint64_t began_ns = mu_clock_ns();
     bool told = superseded_release(s) && roster_tell(s, true) == MU_OK;
@@ -134,38 +134,38 @@ static mu_result others_await(struct session *s, const volatile sig_atomic_t *si
         if (told && there) {
             return MU_OK;
         }
-        if (s->end || *signal_came) {
+        if (phase_ends(s)) {
             return MU_DONE;
         }
         if (mu_clock_ns() - began_ns > s->options.return_ns) {
             return nobody_report(s);
         }
-        (void)status_tell(s, muster_RUN_RUNNING, false);
+        (void)status_tell(s, false);
         bus_wait(&s->bus, 1, RETURN_WAIT_NS);
     }
 }
 
-static void roster_tell_surely(struct session *s, const volatile sig_atomic_t *signal_came)
+static void roster_tell_surely(struct session *s)
 {
-    while (roster_tell(s, true) != MU_OK && !*signal_came) {
+    while (roster_tell(s, true) != MU_OK && !phase_ends(s)) {
         bus_wait(&s->bus, 1, RETURN_WAIT_NS);
     }
 }
 
-mu_result recover_await(struct session *s, const volatile sig_atomic_t *signal_came)
+mu_result recover_await(struct session *s)
 {
-    s->held = true;
-    mu_result waited = others_await(s, signal_came);
-    s->held = false;
+    (void)phase_on(s, PHASE_HOLDS);
+    mu_result waited = others_await(s);
     if (waited != MU_OK) {
         return waited;
     }
+    (void)phase_on(s, PHASE_RESUMES);
     mu_log(MU_LOG_INFO, "controllers-back", "step=%lld", (long long)s->step);
     roster_prune(s);
     roster_lay_out(s);
     percepts_fill_samples(s, false);
     steps_give(s);
-    roster_tell_surely(s, signal_came);
+    roster_tell_surely(s);
     s->last_step_wall_ns = s->pace_wall_ns = mu_clock_ns(); /* silence counts from here, */
     s->pace_step = s->step;                                 /* and the run's pace */
     return MU_OK;

@@ -134,7 +134,7 @@ static bool watcher_take(struct session *s, const muster_Registration *r, bool w
 {
     int32_t process = r->part == 0 ? roster_process(s, r->process) : -1;
     bool onlooks = roster_onlooks(r);
-    if (process < 0 && watches && r->part == 0 && !(onlooks && s->step >= 0)) {
+    if (process < 0 && watches && r->part == 0 && !(onlooks && phase_has_begun(s))) {
         process = process_add(s, r->process);
     }
     if (process < 0) {
@@ -185,7 +185,7 @@ void roster_register(struct session *s, const muster_Registration *r, enum bus_l
     } else {
         changed = process_leave(s, r, life == BUS_LOST) || changed;
     }
-    if (s->step >= 0 && s->options.free && changed) {
+    if (phase_has_begun(s) && s->options.free && changed) {
         roster_lay_out(s); /* the others keep their own robots' percepts */
     }
 }
@@ -245,7 +245,7 @@ void roster_hear(struct session *s, const muster_Registration *r, enum bus_life 
     if (joins && life == BUS_DATA && s->options.return_ns > 0) {
         claims_take(s, r);
     }
-    if (joins && s->held) {
+    if (joins && phase_is_held(s)) {
         roster_register(s, r, life);
     }
 }
@@ -315,7 +315,7 @@ static void attendants_await(const struct session *s, struct mu_text *missing)
         }
     }
     missing_add(missing, watchers, s->options.watchers, "resolvers");
-    if (s->step < 0) { /* afterwards the run goes on without one that has died */
+    if (!phase_has_begun(s)) { /* afterwards the run goes on without one that has died */
         missing_add(missing, hosts, s->options.hosts, "hosts");
     }
 }
@@ -323,7 +323,7 @@ static void attendants_await(const struct session *s, struct mu_text *missing)
 /* Who was disposed of needs nobody. */
 static bool robot_lives(const struct session *s, size_t robot)
 {
-    return s->step < 0 || s->robots[robot].state != muster_STATE_ABSENT;
+    return !phase_has_begun(s) || s->robots[robot].state != muster_STATE_ABSENT;
 }
 
 static void guests_await(const struct session *s, struct mu_text *missing)
@@ -371,7 +371,7 @@ mu_result roster_tell(struct session *s, bool lockstep)
     uint32_t count = 0;
     for (uint32_t i = 0; i < s->process_count; i++) {
         const struct session_process *p = &s->processes[i];
-        if (member_is_in_steps(p) && !(s->held && p->state == MEMBER_JOINING)) {
+        if (member_is_in_steps(p) && !(phase_is_held(s) && p->state == MEMBER_JOINING)) {
             names[count++] = s->processes[i].name;
         }
     }
@@ -380,7 +380,7 @@ mu_result roster_tell(struct session *s, bool lockstep)
                             .lockstep = lockstep,
                             .step = s->step + (s->mail_step >= s->step && s->step > 0),
                             .step_ns = s->options.step_ns,
-                            .held = s->held};
+                            .held = phase_is_held(s)};
     roster.processes._buffer = names;
     roster.processes._length = roster.processes._maximum = count;
     return bus_write(&s->roster, &roster);

@@ -36,6 +36,7 @@ mu_result session_open(struct session *s, const struct session_options *options,
     s->engine = engine;
     s->tracks = tracks;
     s->hash = run_hash_open();
+    s->phase = PHASE_GATHERING;
     s->step = s->sent_step = -1;
     s->mail_step = muster_STEP_NOW;
     snprintf(s->name, sizeof s->name, "simulator.%ld", (long)getpid());
@@ -63,29 +64,25 @@ mu_result session_open(struct session *s, const struct session_options *options,
     return topics_open(s);
 }
 
-static bool is_over(const struct session *s, const volatile sig_atomic_t *signal_came)
-{
-    return s->end || *signal_came;
-}
-
-mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_came)
+mu_result session_gather(struct session *s)
 {
     uint64_t began_ns = mu_clock_ns();
-    bool ready = false;
-    s->go = !s->options.waits_for_go;
     observe_scene(s);
-    while (!ready || !s->go) {
+    while (!phase_has_begun(s)) {
         inbox_take(s);
-        if (is_over(s, signal_came)) {
+        if (phase_ends(s)) {
             return MU_DONE;
         }
         if (bus_writer_matches(&s->roster) == 0 &&
             mu_clock_ns() - began_ns > mu_network_wait_ns(s->options.network)) {
             return MU_TIMEOUT;
         }
-        bool was_ready = ready;
-        ready = roster_is_complete(s);
-        (void)status_tell(s, ready ? muster_RUN_READY : muster_RUN_WAITING, ready != was_ready);
+        muster_RunState before = phase_word(s);
+        (void)phase_on(s, roster_is_complete(s) ? PHASE_COMPLETE : PHASE_INCOMPLETE);
+        (void)status_tell(s, phase_word(s) != before);
+        if (s->phase == PHASE_READY && !s->options.waits_for_go) {
+            (void)phase_on(s, PHASE_GO);
+        }
         bus_wait(&s->bus, 1, IMPATIENT_NS);
     }
     roster_prune(s);
@@ -102,12 +99,12 @@ mu_result session_gather(struct session *s, const volatile sig_atomic_t *signal_
 }
 
 /* What must not be lost: how the run ended, and that nobody waits for its steps any more. */
-static void last_words(struct session *s, muster_RunState state)
+static void last_words(struct session *s)
 {
     bool told = false;
     bool released = false;
     for (int i = 0; i < 1000 && !(told && released); i++) {
-        told = told || status_tell(s, state, true);
+        told = told || status_tell(s, true);
         released = released || roster_tell(s, false) == MU_OK;
         bus_wait(&s->bus, 1, told && released ? 0 : RETRY_NS);
     }
@@ -116,20 +113,21 @@ static void last_words(struct session *s, muster_RunState state)
 
 /* Who looks has half a second for the last word.  Who has started the run must have it, and gets
  * little time on a busy machine: it is waited for. */
-static void status_drain(struct session *s, const volatile sig_atomic_t *signal_came)
+static void status_drain(struct session *s)
 {
     bool heard = bus_drain(&s->status, STATUS_DRAIN_NS);
     uint64_t until_ns = mu_clock_ns() + STARTER_PATIENCE_NS;
-    while (!heard && s->options.waits_for_go && !*signal_came && mu_clock_ns() < until_ns) {
+    while (!heard && s->options.waits_for_go && !*s->options.signal_came &&
+           mu_clock_ns() < until_ns) {
         heard = bus_drain(&s->status, STATUS_ROUND_NS);
     }
 }
 
-mu_result session_run(struct session *s, const volatile sig_atomic_t *signal_came)
+mu_result session_run(struct session *s)
 {
-    mu_result ran =
-        s->options.free ? lockstep_run_free(s, signal_came) : lockstep_run(s, signal_came);
-    s->interrupted = *signal_came != 0;
+    mu_result ran = s->options.free ? lockstep_run_free(s) : lockstep_run(s);
+    bool interrupted = *s->options.signal_came != 0;
+    (void)phase_on(s, ran == MU_OK ? PHASE_END : PHASE_FAILS);
     percepts_read(s);
     if (ran == MU_OK) {
         s->waits_for[0] = '\0';
@@ -140,12 +138,15 @@ mu_result session_run(struct session *s, const volatile sig_atomic_t *signal_cam
     }
     percepts_send(s, true);
     run_hash_end(s->hash, s->hash_text);
-    last_words(s, ran == MU_OK ? muster_RUN_DONE : muster_RUN_FAULT);
+    if (ran == MU_OK) {
+        (void)phase_on(s, PHASE_FINISHES);
+    }
+    last_words(s);
     for (uint32_t i = 0; i < s->process_count; i++) {
         (void)bus_drain(&s->processes[i].sense, 200000000);
     }
     (void)bus_drain(&s->answers, 200000000);
     observe_close(s);
-    status_drain(s, signal_came);
-    return ran;
+    status_drain(s);
+    return ran == MU_OK && interrupted ? MU_DONE : ran;
 }

@@ -36,13 +36,14 @@ static uint32_t places_fill(struct session *s)
     return (uint32_t)s->world->object_count;
 }
 
-bool status_tell(struct session *s, muster_RunState state, bool always)
+bool status_tell(struct session *s, bool always)
 {
     uint64_t now_ns = mu_clock_ns();
     if (!always && now_ns - s->status_wall_ns < STATUS_PERIOD_NS) {
         return true;
     }
     s->status_wall_ns = now_ns;
+    muster_RunState state = phase_word(s);
     bool done = state == muster_RUN_DONE;
     static char none[] = "none";
     int64_t steps = s->step > 0 ? s->step : 0;

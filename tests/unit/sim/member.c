@@ -126,6 +126,7 @@ static void set_up(void)
     s.robots[0] = (struct session_robot){.name = "red", .controlled = true, .process = CARTER};
     s.options.return_ns = 1000000000;
     s.step = 7;
+    s.phase = PHASE_RUNNING;
 }
 
 static enum member_state state(uint32_t process)
