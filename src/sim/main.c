@@ -236,15 +236,15 @@ static uint64_t step_choose(const struct world *world)
 static bool robots_choose(struct session *s, const struct mu_option_list *names)
 {
     for (size_t r = 0; names->count > 0 && r < s->robot_count; r++) {
-        s->robots[r].controlled = false;
+        s->agents.at[r].controlled = false;
         for (size_t i = 0; i < names->count; i++) {
-            s->robots[r].controlled |= strcmp(names->items[i], s->robots[r].name) == 0;
+            s->agents.at[r].controlled |= strcmp(names->items[i], s->agents.at[r].name) == 0;
         }
     }
     for (size_t i = 0; i < names->count; i++) {
         bool found = false;
         for (size_t r = 0; r < s->robot_count; r++) {
-            found = found || strcmp(names->items[i], s->robots[r].name) == 0;
+            found = found || strcmp(names->items[i], s->agents.at[r].name) == 0;
         }
         if (!found) {
             fprintf(stderr, "muster sim: the world has no robot named %s\n", names->items[i]);

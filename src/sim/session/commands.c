@@ -18,7 +18,7 @@ struct outcome commands_outcome(muster_RunOutcome result, const char *reason)
 long commands_find_body(const struct session *s, const char *name)
 {
     for (size_t i = 0; i < s->robot_count; i++) {
-        if (strcmp(s->robots[i].name, name) == 0) {
+        if (strcmp(s->agents.at[i].name, name) == 0) {
             return (long)i;
         }
     }

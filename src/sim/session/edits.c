@@ -169,7 +169,7 @@ static bool robot_stalled(const void *self, int robot)
 static bool robot_counts(const void *self, int robot)
 {
     const struct session *s = self;
-    return s->robots[robot].controlled;
+    return s->agents.at[robot].controlled;
 }
 
 static void script_orders_look(struct session *s)

@@ -15,30 +15,12 @@ static int32_t order_of(int32_t order)
     return order >= -1 && order <= 1 ? order : 0;
 }
 
-static void guest_act(struct session *s, const muster_Act *act, int32_t process)
+static void robot_act(struct session *s, struct session_robot *r, const muster_Act *act)
 {
-    struct guest *guest = guests_find(s->guests, act->agent);
-    if (!guest || guest->process != process) {
-        return;
-    }
-    guest->state = act->state;
-    run_hash_act(s->hash, act, guest->digest);
-    observe_act(s, s->robot_count + (size_t)(guest - s->guests->at), act);
-}
-
-static void act_take(struct session *s, const muster_Act *act, int32_t process)
-{
-    struct session_robot *r = roster_robot(s, act->agent);
-    if (!r || !r->controlled) {
-        guest_act(s, act, process);
-        return;
-    }
-    if (r->process != process) {
-        return;
-    }
     bool is_speed = isfinite(act->forward_m_s) && isfinite(act->turn_rad_s);
     if (act->drives && !is_speed) {
-        mu_log(MU_LOG_WARNING, "speed-refused", "robot=%s step=%lld", r->name, (long long)s->step);
+        mu_log(MU_LOG_WARNING, "speed-refused", "robot=%s step=%lld", act->agent,
+               (long long)s->step);
     }
     r->drives = act->drives && is_speed;
     if (r->drives) {
@@ -48,23 +30,34 @@ static void act_take(struct session *s, const muster_Act *act, int32_t process)
     r->paddles = order_of(act->paddles);
     r->lift = order_of(act->lift);
     r->senses = act->senses;
-    r->state = act->state;
     mu_text_copy(r->goal, sizeof r->goal, act->goal);
     r->firings += act->firings;
     r->mails_sent += act->mails._length;
-    run_hash_act(s->hash, act, r->digest);
     commands_note_act(s, (size_t)(r - s->robots), act);
-    observe_act(s, (size_t)(r - s->robots), act);
+}
+
+static void act_take(struct session *s, const muster_Act *act, int32_t process)
+{
+    struct session_agent *agent = agents_find(&s->agents, act->agent);
+    if (!agent || agent->process != process) {
+        return;
+    }
+    agent->state = act->state;
+    run_hash_act(s->hash, act, agent->digest);
+    if (agent->body >= 0) {
+        robot_act(s, &s->robots[agent->body], act);
+    }
+    observe_act(s, (size_t)(agent - s->agents.at), act);
 }
 
 /* Free running: mail goes out at once, and is nothing but something to look at. */
 static void up_show(struct session *s, const muster_Up *up, int32_t process)
 {
     for (uint32_t i = 0; i < up->acts._length; i++) {
-        struct session_robot *r = roster_robot(s, up->acts._buffer[i].agent);
-        if (r && r->process >= 0 && r->process == process) {
-            commands_note_act(s, (size_t)(r - s->robots), &up->acts._buffer[i]);
-            observe_act(s, (size_t)(r - s->robots), &up->acts._buffer[i]);
+        const struct session_agent *agent = agents_find(&s->agents, up->acts._buffer[i].agent);
+        if (agent && agent->body >= 0 && agent->process == process && process >= 0) {
+            commands_note_act(s, (size_t)agent->body, &up->acts._buffer[i]);
+            observe_act(s, (size_t)agent->body, &up->acts._buffer[i]);
         }
     }
 }
@@ -98,8 +91,9 @@ static void up_take(struct session *s, const muster_Up *up)
         act_take(s, &up->acts._buffer[i], process);
     }
     for (uint32_t i = 0; i < up->acks._length; i++) {
-        struct session_robot *r = roster_robot(s, up->acks._buffer[i].box);
-        if (r) {
+        const struct session_agent *agent = agents_find(&s->agents, up->acks._buffer[i].box);
+        if (agent && agent->body >= 0) {
+            struct session_robot *r = &s->robots[agent->body];
             const muster_Ack *ack = &up->acks._buffer[i];
             r->mails_received = r->returned ? ack->number : ack->handed;
             r->mails_duplicated = ack->handed > ack->number ? ack->handed - ack->number : 0;
@@ -111,19 +105,13 @@ static void up_take(struct session *s, const muster_Up *up)
  * their way yet; or a new one, for whom there may be a body that nobody has any more. */
 static void trip_take(struct session *s, const muster_Trip *t)
 {
-    struct session_robot *r = roster_robot(s, t->agent);
     int32_t process = roster_process(s, t->process);
     if (t->word != muster_TRIP_TAKEN || s->options.free || process < 0) {
         return;
     }
-    if (!r || !r->controlled) {
-        roster_seat(s, t->agent, process);
-    } else if (s->processes[process].state == MEMBER_RELEASED) { /* it has died since */
-        r->process = r->next_process = -1;
-    } else if (r->process < 0) { /* the one that it set out from has died */
-        r->process = process;
-    } else {
-        r->next_process = process;
+    bool died = s->processes[process].state == MEMBER_RELEASED;
+    if (agents_seat(&s->agents, t->agent, died ? -1 : process) != MU_OK) {
+        mu_log(MU_LOG_WARNING, "guest-left-out", "name=%s step=%lld", t->agent, (long long)s->step);
     }
 }
 

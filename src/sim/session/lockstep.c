@@ -30,10 +30,10 @@ static mu_result silence_report(struct session *s)
     if (broker_is_late) {
         mu_text_add(&who, " the broker");
     }
-    for (size_t i = 0; !broker_is_late && i < s->robot_count; i++) {
-        int32_t process = s->robots[i].process;
+    for (uint32_t i = 0; !broker_is_late && i < s->agents.count; i++) {
+        int32_t process = s->agents.at[i].process;
         if (process >= 0 && s->processes[process].answered < s->step) {
-            mu_text_format(&who, " %s", s->robots[i].name);
+            mu_text_format(&who, " %s", s->agents.at[i].name);
         }
     }
     for (uint32_t i = 0; !broker_is_late && i < s->process_count; i++) {

@@ -31,7 +31,7 @@ void observe_scene(struct session *s)
     s->scene->seed = s->options.seed;
     s->scene->step_ns = s->options.step_ns;
     for (size_t i = 0; i < s->robot_count; i++) {
-        s->scene->robots._buffer[i].controlled = s->robots[i].controlled;
+        s->scene->robots._buffer[i].controlled = s->agents.at[i].controlled;
     }
     if (bus_write(&s->scenes, s->scene) != MU_OK) {
         mu_log(MU_LOG_WARNING, "scene-lost", "world=%s", s->scene->world);
@@ -67,7 +67,7 @@ static void robot_view(struct session *s, size_t robot)
 {
     const struct session_robot *r = &s->robots[robot];
     frame_take_body(s->view, robot, &r->percept, &s->tallies[robot]);
-    if (r->controlled && r->process >= 0) {
+    if (s->agents.at[robot].process >= 0) {
         muster_Percept percept = {.robot = s->world->robots[robot].name};
         percepts_fill(&percept, &r->percept);
         frame_add_percept(s->view, &percept);
@@ -123,8 +123,9 @@ static void robot_finish(struct session *s, size_t robot)
 {
     const struct session_robot *r = &s->robots[robot];
     muster_RobotView *v = frame_robot(s->view, robot);
-    bool lives = r->controlled && r->process >= 0;
-    v->state = lives ? r->state : muster_STATE_ABSENT;
+    const struct session_agent *agent = &s->agents.at[robot];
+    bool lives = agent->process >= 0;
+    v->state = lives ? agent->state : muster_STATE_ABSENT;
     v->goal = (char *)(uintptr_t)(lives ? r->goal : ""); /* nobody writes there */
     v->command_forward_m_s = r->command_forward_m_s;
     v->command_turn_rad_s = r->command_turn_rad_s;

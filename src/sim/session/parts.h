@@ -13,7 +13,6 @@
 #include "core/table.h"
 #include "sim/engine/engine.h"
 #include "sim/record/record.h"
-#include "sim/session/guests.h"
 #include "sim/session/script.h"
 #include "wire.h"
 
@@ -22,14 +21,33 @@
 /* The dead-man, in control steps and, in free running, by the wall. */
 enum { SESSION_QUIET_STEPS = 10 };
 
+/* An agent of the run. */
+struct session_agent {
+    char name[MU_NAME_MAX + 1];
+    bool controlled;      /* a process is to have it; else its body is an obstacle */
+    int32_t body;         /* index of its robot; -1: none */
+    int32_t process;      /* index of the one that it lives in; -1: none */
+    int32_t next_process; /* from the next step on; -1: the same */
+    uint32_t slot;        /* of a robot's, in that process */
+    muster_State state;   /* by its last word */
+    unsigned char digest[RUN_HASH_BYTES]; /* of what it did in this step */
+};
+
+/*
+ * All of them: first the robots', in the world's order, then those without a body that began while
+ * the run went on, in order of name, so that the order in which they came does not show.
+ */
+struct session_agents {
+    struct session_agent *at; /* [0, count) */
+    uint32_t robots, count;
+    struct session_agent *coming; /* MU_CAPSULES_MAX: they begin with the next step */
+    uint32_t coming_count;
+    struct mu_table robot_names;
+};
+
+/* The body of an agent, and what it was told to do. */
 struct session_robot {
-    const char *name;
-    bool controlled;             /* the run waits for its controller; else it is an obstacle */
-    int32_t process;             /* index of the process that controls it; -1: none */
-    int32_t next_process;        /* from the next step on; -1: the same */
-    uint32_t slot;               /* of its controller in that process */
-    muster_State state;          /* of its controller, by its last word */
-    char goal[MU_FIELD_MAX + 1]; /* likewise: what it wants */
+    char goal[MU_FIELD_MAX + 1]; /* by the agent's last word: what it wants */
     bool drives;                 /* of the last answer: a speed was set */
     double forward_m_s, turn_rad_s;
     double command_forward_m_s, command_turn_rad_s; /* what its motors were told last */
@@ -37,7 +55,6 @@ struct session_robot {
     uint32_t senses;       /* that its controller asks for: bits 1 << enum world_sensor */
     uint32_t off;          /* of them, those that somebody has switched off */
     uint32_t quiet_steps;  /* since a speed was set */
-    unsigned char digest[RUN_HASH_BYTES];
     uint64_t firings, mails_sent, mails_received, mails_duplicated;
     bool returned; /* its controller has begun in the middle: it was not handed all mail itself */
     struct engine_percept percept;
@@ -164,11 +181,11 @@ struct session {
     struct bus_writer roster, status, answers;
     struct bus_writer scenes, every, latest; /* for who looks: docs/observing.md */
     struct bus_reader registrations, ups, deliveries, commands;
+    struct session_agents agents;
     struct session_robot *robots;
     size_t robot_count;
-    struct guests *guests;
     uint32_t *wanted; /* of each robot: the sensors that this step reads, 1 << enum world_sensor */
-    struct mu_table robot_names, process_names;
+    struct mu_table process_names;
     struct session_process *processes; /* MU_PROCESSES_MAX */
     uint32_t process_count;
     muster_Percept *percepts; /* one for each robot, in order of process */
@@ -233,9 +250,6 @@ MU_MUST_USE mu_result session_run(struct session *s);
 
 /* --- roster.c: who belongs to the run --------------------------------------------------------- */
 
-/** @return the robot of that name, or NULL */
-struct session_robot *roster_robot(struct session *s, const char *name);
-
 /** @return the index of the process of that name, or -1 */
 int32_t roster_process(const struct session *s, const char *name);
 
@@ -264,14 +278,42 @@ void roster_leave_out(struct session *s);
 /** What those have done whose process is no more, and who were disposed of: nothing. */
 void roster_rest(struct session *s, uint32_t process);
 
-/** The broker has given a name to that process: it lives there from the next step on. */
-void roster_seat(struct session *s, const char *name, int32_t process);
-
-/** Those of that process have done nothing in this step. */
-void roster_pass_guests(struct session *s, uint32_t process);
-
 /** Between two steps: those who have moved are with their new processes. */
 void roster_change_processes(struct session *s);
+
+/* --- agents.c: which process each agent lives in ---------------------------------------------- */
+
+/** Takes memory, and the robots of a world, which must live as long. */
+void agents_open(struct session_agents *a, const struct world *world);
+
+/** @return the one of that name that takes part in this step, or NULL */
+struct session_agent *agents_find(const struct session_agents *a, const char *name);
+
+/**
+ * From the next step on an agent lives in that process, or at once if it had none.  One that is not
+ * known has no body, and begins with the next step.
+ *
+ * @param process  -1: it has died since
+ * @return MU_OK, or MU_FULL: more than MU_CAPSULES_MAX begin in one step, or too many live
+ */
+MU_MUST_USE mu_result agents_seat(struct session_agents *a, const char *name, int32_t process);
+
+/** A process has another index now; -1: it is dead, and its agents have none.  One that was to move
+ * lives where it was to go. */
+void agents_renumber(struct session_agents *a, int32_t from, int32_t to);
+
+/** @return the process that an agent lives in from the next step on; -1: none */
+int32_t agents_home(const struct session_agent *agent);
+
+/** @return whether an agent lives in a process, or is to */
+bool agents_live_in(const struct session_agents *a, int32_t process);
+
+/** Between two steps: agents with a body that move have moved. */
+void agents_move_robots(struct session_agents *a);
+
+/** Between two steps, for those without a body: the coming are in, the moving have moved, and those
+ * that have ended are out. */
+void agents_settle(struct session_agents *a);
 
 /* --- member.c: the states of a process -------------------------------------------------------- */
 

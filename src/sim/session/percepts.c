@@ -21,7 +21,7 @@ static void wanted_set(struct session *s)
 {
     for (size_t r = 0; r < s->robot_count; r++) {
         const struct session_robot *robot = &s->robots[r];
-        s->wanted[r] = robot->process >= 0 ? robot->senses & ~robot->off : 0;
+        s->wanted[r] = s->agents.at[r].process >= 0 ? robot->senses & ~robot->off : 0;
     }
 }
 
@@ -98,7 +98,7 @@ void percepts_fill_samples(struct session *s, bool last)
     bodies_fill(s);
     for (uint32_t i = 0; i < s->process_count; i++) {
         for (size_t r = 0; r < s->robot_count; r++) {
-            if (s->robots[r].process == (int32_t)i) {
+            if (s->agents.at[r].process == (int32_t)i) {
                 body_fill(&s->percepts[next], &s->robots[r].percept);
                 readings_fill(&s->percepts[next++], &s->robots[r].percept);
             }

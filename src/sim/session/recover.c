@@ -39,20 +39,16 @@ bool recover_is_due(const struct session *s)
 static void process_release(struct session *s, uint32_t process)
 {
     roster_rest(s, process);
-    guests_renumber(s->guests, (int32_t)process, -1);
-    s->processes[process].roles = 0;
-    (void)member_on(&s->processes[process], MEMBER_RELEASES);
     for (size_t i = 0; i < s->robot_count; i++) {
-        struct session_robot *r = &s->robots[i];
-        r->process = r->next_process >= 0 ? r->next_process : r->process; /* it has moved on */
-        r->next_process = -1;
-        if (r->process == (int32_t)process) {
-            mu_log(MU_LOG_WARNING, "controller-lost", "robot=%s step=%lld", r->name,
+        if (agents_home(&s->agents.at[i]) == (int32_t)process) {
+            mu_log(MU_LOG_WARNING, "controller-lost", "robot=%s step=%lld", s->agents.at[i].name,
                    (long long)s->step);
-            r->process = -1;
-            r->returned = true;
+            s->robots[i].returned = true;
         }
     }
+    agents_renumber(&s->agents, (int32_t)process, -1);
+    s->processes[process].roles = 0;
+    (void)member_on(&s->processes[process], MEMBER_RELEASES);
 }
 
 /* @return whether there are any whom the broker does not know of yet */
@@ -73,13 +69,16 @@ static bool superseded_release(struct session *s)
 static void step_pass(struct session *s, uint32_t process)
 {
     s->processes[process].answered = s->step;
-    roster_pass_guests(s, process);
-    for (size_t i = 0; i < s->robot_count; i++) {
-        struct session_robot *r = &s->robots[i];
-        if (r->process == (int32_t)process) {
+    for (uint32_t i = 0; i < s->agents.count; i++) {
+        struct session_agent *agent = &s->agents.at[i];
+        if (agent->process != (int32_t)process) {
+            continue;
+        }
+        memset(agent->digest, 0, sizeof agent->digest);
+        if (agent->body >= 0) {
+            struct session_robot *r = &s->robots[agent->body];
             r->drives = true;
             r->forward_m_s = r->turn_rad_s = 0.0;
-            memset(r->digest, 0, sizeof r->digest);
         }
     }
 }

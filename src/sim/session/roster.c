@@ -7,12 +7,6 @@
 
 #include <string.h>
 
-struct session_robot *roster_robot(struct session *s, const char *name)
-{
-    uint32_t index = mu_table_find(&s->robot_names, name);
-    return index == MU_NONE ? NULL : &s->robots[index];
-}
-
 int32_t roster_process(const struct session *s, const char *name)
 {
     uint32_t index = mu_table_find(&s->process_names, name);
@@ -44,7 +38,7 @@ void roster_lay_out(struct session *s)
         p->sample = (muster_Sense){.process = p->name, .lockstep = !s->options.free};
         p->sample.robots._buffer = &s->percepts[next];
         for (size_t r = 0; r < s->robot_count; r++) {
-            if (s->robots[r].process == (int32_t)i) {
+            if (s->agents.at[r].process == (int32_t)i) {
                 s->percepts[next++].robot = s->world->robots[r].name;
                 p->sample.robots._length++;
             }
@@ -62,19 +56,10 @@ void roster_lay_out(struct session *s)
 
 /* --- who comes and goes ----------------------------------------------------------------------- */
 
-static bool process_holds(const struct session *s, const struct session_robot *robot,
+static bool process_holds(const struct session *s, const struct session_agent *agent,
                           const char *process)
 {
-    return robot->process >= 0 && strcmp(s->processes[robot->process].name, process) == 0;
-}
-
-/* One without a body, whose process has died, is there again. */
-static void guest_take(struct session *s, const muster_Registration *r, const muster_Entry *e)
-{
-    struct guest *guest = guests_find(s->guests, e->name);
-    if (guest && guest->process < 0 && e->state != muster_STATE_ABSENT) {
-        guest->process = process_add(s, r->process);
-    }
+    return agent->process >= 0 && strcmp(s->processes[agent->process].name, process) == 0;
 }
 
 /* @return whether a robot has got or lost its controller */
@@ -82,37 +67,41 @@ static bool entry_take(struct session *s, const muster_Registration *r, uint32_t
 {
     const muster_Entry *e = &r->agents._buffer[index];
     uint32_t slot = r->part * MU_PART_AGENTS + index;
-    struct session_robot *robot = roster_robot(s, e->name);
-    if (!robot || !robot->controlled) {
-        guest_take(s, r, e);
+    struct session_agent *agent = agents_find(&s->agents, e->name);
+    bool is_robot = agent && agent->body >= 0;
+    if (!agent || (!is_robot && (agent->process >= 0 || e->state == muster_STATE_ABSENT))) {
         return false;
     }
-    bool holds = process_holds(s, robot, r->process);
+    if (!is_robot) { /* its process has died, and it is there again */
+        agent->process = process_add(s, r->process);
+        return false;
+    }
+    bool holds = process_holds(s, agent, r->process);
     if (e->state == muster_STATE_ABSENT) {
-        bool left = holds && robot->slot == slot;
-        robot->process = left ? -1 : robot->process;
+        bool left = holds && agent->slot == slot;
+        agent->process = left ? -1 : agent->process;
         return left;
     }
     /* A body that has a controller: another one must wait until that has gone. */
-    if (e->kind != muster_KIND_ROBOT || r->watches || (robot->process >= 0 && !holds)) {
+    if (e->kind != muster_KIND_ROBOT || r->watches || (agent->process >= 0 && !holds)) {
         return false;
     }
-    robot->process = holds ? robot->process : process_add(s, r->process);
-    robot->slot = slot;
-    robot->senses = e->senses;
-    robot->state = e->state;
-    return !holds && robot->process >= 0;
+    agent->process = holds ? agent->process : process_add(s, r->process);
+    agent->slot = slot;
+    agent->state = e->state;
+    s->robots[agent->body].senses = e->senses;
+    return !holds && agent->process >= 0;
 }
 
 /* A part of a process, or (lost) all of it, is no longer there. */
 static bool process_leave(struct session *s, const muster_Registration *r, bool lost)
 {
     bool changed = false;
-    for (size_t i = 0; i < s->robot_count; i++) {
-        struct session_robot *robot = &s->robots[i];
-        if (process_holds(s, robot, r->process) &&
-            (lost || robot->slot / MU_PART_AGENTS == r->part)) {
-            robot->process = -1;
+    for (uint32_t i = 0; i < s->agents.count; i++) {
+        struct session_agent *agent = &s->agents.at[i];
+        bool of_part = agent->body >= 0 && agent->slot / MU_PART_AGENTS == r->part;
+        if (process_holds(s, agent, r->process) && (lost || of_part)) {
+            agent->process = -1;
             changed = true;
         }
     }
@@ -192,12 +181,11 @@ void roster_register(struct session *s, const muster_Registration *r, enum bus_l
 
 /* --- who dies while a lock step goes on ------------------------------------------------------- */
 
-/* @return the process of a robot, of an agent without a body, or of a host of that name; -1 */
+/* @return the process of an agent or of a host of that name; -1 */
 static int32_t process_of(const struct session *s, const muster_Entry *e)
 {
-    uint32_t robot = mu_table_find(&s->robot_names, e->name);
-    const struct guest *guest = guests_find(s->guests, e->name);
-    int32_t process = robot != MU_NONE ? s->robots[robot].process : guest ? guest->process : -1;
+    const struct session_agent *agent = agents_find(&s->agents, e->name);
+    int32_t process = agent ? agent->process : -1;
     for (uint32_t i = 0; i < s->process_count && e->kind == muster_KIND_HOST; i++) {
         const struct session_process *p = &s->processes[i];
         process = (p->roles & MEMBER_HOSTS) && strcmp(p->host, e->name) == 0 ? (int32_t)i : process;
@@ -276,8 +264,8 @@ static const char *broker_of(const struct session *s)
     }
     const char *broker = s->options.broker;
     for (size_t i = 0; i < s->robot_count && !broker; i++) {
-        bool there = s->robots[i].controlled && s->robots[i].process >= 0;
-        broker = there ? s->processes[s->robots[i].process].broker : NULL;
+        int32_t process = s->agents.at[i].process;
+        broker = process >= 0 ? s->processes[process].broker : NULL;
     }
     return broker ? broker : "";
 }
@@ -320,21 +308,10 @@ static void attendants_await(const struct session *s, struct mu_text *missing)
     }
 }
 
-/* Who was disposed of needs nobody. */
-static bool robot_lives(const struct session *s, size_t robot)
+/* @return whether it needs a process: one that was disposed of does not */
+static bool agent_lives(const struct session *s, const struct session_agent *agent)
 {
-    return !phase_has_begun(s) || s->robots[robot].state != muster_STATE_ABSENT;
-}
-
-static void guests_await(const struct session *s, struct mu_text *missing)
-{
-    for (uint32_t i = 0; i < s->guests->count; i++) {
-        const struct guest *guest = &s->guests->at[i];
-        bool there = guest->process >= 0 && process_is_ready(s, guest->process);
-        if (!there && guest->state != muster_STATE_ABSENT) {
-            mu_text_format(missing, "%s%s", missing->len ? " " : "", guest->name);
-        }
-    }
+    return agent->controlled && (!phase_has_begun(s) || agent->state != muster_STATE_ABSENT);
 }
 
 bool roster_is_complete(struct session *s)
@@ -345,19 +322,19 @@ bool roster_is_complete(struct session *s)
     for (uint32_t i = 0; i < s->process_count; i++) {
         process_greet(&s->processes[i]);
     }
-    for (size_t i = 0; i < s->robot_count; i++) {
-        int32_t process = s->robots[i].process;
-        if (!s->robots[i].controlled || !robot_lives(s, i)) {
+    for (uint32_t i = 0; i < s->agents.count; i++) {
+        const struct session_agent *agent = &s->agents.at[i];
+        int32_t process = agent->process;
+        if (!agent_lives(s, agent)) {
             continue;
         }
         if (process < 0 || !process_is_ready(s, process)) {
-            mu_text_format(&missing, "%s%s", missing.len ? " " : "", s->robots[i].name);
+            mu_text_format(&missing, "%s%s", missing.len ? " " : "", agent->name);
         } else if (broker[0] && strcmp(s->processes[process].broker, broker) != 0) {
             mu_text_format(&missing, "%s%s (its broker is %s, not %s)", missing.len ? " " : "",
-                           s->robots[i].name, s->processes[process].broker, broker);
+                           agent->name, s->processes[process].broker, broker);
         }
     }
-    guests_await(s, &missing);
     attendants_await(s, &missing);
     return missing.len == 0;
 }
@@ -386,55 +363,20 @@ mu_result roster_tell(struct session *s, bool lockstep)
     return bus_write(&s->roster, &roster);
 }
 
-void roster_seat(struct session *s, const char *name, int32_t process)
-{
-    if (process >= 0 && guests_seat(s->guests, name, process) != MU_OK) {
-        mu_log(MU_LOG_WARNING, "guest-left-out", "name=%s step=%lld", name, (long long)s->step);
-    }
-}
-
-static bool guests_live_in(const struct session *s, uint32_t process)
-{
-    bool any = false;
-    for (uint32_t i = 0; i < s->guests->count; i++) {
-        const struct guest *guest = &s->guests->at[i];
-        any = any || (guest->process == (int32_t)process && guest->state != muster_STATE_ABSENT);
-    }
-    return any;
-}
-
-void roster_pass_guests(struct session *s, uint32_t process)
-{
-    for (uint32_t i = 0; i < s->guests->count; i++) {
-        struct guest *guest = &s->guests->at[i];
-        if (guest->process == (int32_t)process) {
-            memset(guest->digest, 0, sizeof guest->digest);
-        }
-    }
-}
-
-static bool process_has_robots(const struct session *s, uint32_t process)
-{
-    bool has = guests_live_in(s, process);
-    for (size_t r = 0; r < s->robot_count; r++) {
-        has = has || s->robots[r].process == (int32_t)process ||
-              s->robots[r].next_process == (int32_t)process;
-    }
-    return has;
-}
-
 static bool process_is_needed(const struct session *s, uint32_t process)
 {
-    bool needed = guests_live_in(s, process);
-    for (size_t r = 0; r < s->robot_count; r++) {
-        needed = needed || (s->robots[r].process == (int32_t)process && robot_lives(s, r));
+    bool needed = false;
+    for (uint32_t i = 0; i < s->agents.count; i++) {
+        const struct session_agent *agent = &s->agents.at[i];
+        needed = needed || (agent->process == (int32_t)process && agent_lives(s, agent));
     }
     return needed;
 }
 
 static bool process_is_used(const struct session *s, uint32_t process)
 {
-    return process_attends(s, &s->processes[process]) || process_has_robots(s, process);
+    return process_attends(s, &s->processes[process]) ||
+           agents_live_in(&s->agents, (int32_t)process);
 }
 
 /* What one that was disposed of answers to every step, in the words of its runtime. */
@@ -442,13 +384,11 @@ void roster_rest(struct session *s, uint32_t process)
 {
     static char none[1];
     for (size_t i = 0; i < s->robot_count; i++) {
-        struct session_robot *r = &s->robots[i];
-        if (r->process == (int32_t)process && r->state == muster_STATE_ABSENT) {
-            muster_Act act = {.agent = (char *)(uintptr_t)r->name, /* nobody writes there */
-                              .state = muster_STATE_ABSENT,
-                              .drives = true,
-                              .rules = none};
-            run_hash_act(s->hash, &act, r->digest);
+        struct session_agent *agent = &s->agents.at[i];
+        if (agent->process == (int32_t)process && agent->state == muster_STATE_ABSENT) {
+            muster_Act act = {
+                .agent = agent->name, .state = muster_STATE_ABSENT, .drives = true, .rules = none};
+            run_hash_act(s->hash, &act, agent->digest);
         }
     }
 }
@@ -485,13 +425,7 @@ void roster_prune(struct session *s)
             bus_writer_close(&s->processes[i].sense);
             continue;
         }
-        for (size_t r = 0; r < s->robot_count; r++) {
-            struct session_robot *robot = &s->robots[r];
-            robot->process = robot->process == (int32_t)i ? (int32_t)kept : robot->process;
-            robot->next_process =
-                robot->next_process == (int32_t)i ? (int32_t)kept : robot->next_process;
-        }
-        guests_renumber(s->guests, (int32_t)i, (int32_t)kept);
+        agents_renumber(&s->agents, (int32_t)i, (int32_t)kept);
         s->processes[kept] = s->processes[i];
         (void)mu_table_put(&s->process_names, s->processes[kept].name, kept);
         kept++;
@@ -501,11 +435,7 @@ void roster_prune(struct session *s)
 
 void roster_change_processes(struct session *s)
 {
-    for (size_t i = 0; i < s->robot_count; i++) {
-        struct session_robot *r = &s->robots[i];
-        r->process = r->next_process >= 0 ? r->next_process : r->process;
-        r->next_process = -1;
-    }
-    guests_settle(s->guests);
+    agents_move_robots(&s->agents);
+    agents_settle(&s->agents);
     roster_lay_out(s);
 }

@@ -42,18 +42,11 @@ mu_result session_open(struct session *s, const struct session_options *options,
     snprintf(s->name, sizeof s->name, "simulator.%ld", (long)getpid());
     s->robot_count = world->robot_count;
     s->robots = mu_startup_array(s->robot_count, sizeof *s->robots);
-    mu_table_init(&s->robot_names, s->robot_count > 0 ? (uint32_t)s->robot_count : 1);
     mu_table_init(&s->process_names, MU_PROCESSES_MAX);
-    for (size_t i = 0; i < s->robot_count; i++) {
-        s->robots[i].name = world->robots[i].name;
-        (void)mu_table_put(&s->robot_names, s->robots[i].name, (uint32_t)i);
-        s->robots[i].controlled = true;
-        s->robots[i].process = s->robots[i].next_process = -1;
-    }
+    agents_open(&s->agents, world);
     s->snapshot = mu_startup_alloc(engine_save_size(engine));
     s->orders = mu_startup_alloc(sizeof *s->orders);
     commands_open(s);
-    s->guests = guests_open();
     s->wanted = mu_startup_array(s->robot_count, sizeof *s->wanted);
     s->processes = mu_startup_array(MU_PROCESSES_MAX, sizeof *s->processes);
     s->percepts = mu_startup_array(s->robot_count, sizeof *s->percepts);

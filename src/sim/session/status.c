@@ -12,7 +12,7 @@ static uint32_t totals_fill(struct session *s)
     uint32_t totals = 0;
     for (size_t i = 0; i < s->robot_count; i++) {
         const struct session_robot *r = &s->robots[i];
-        if (!r->controlled) {
+        if (!s->agents.at[i].controlled) {
             continue;
         }
         s->totals[totals++] = (muster_RobotTotals){.robot = s->world->robots[i].name,

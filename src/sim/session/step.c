@@ -27,8 +27,8 @@ void step_record(struct session *s)
     run_hash_fold_number(s->hash, (uint64_t)s->step);
     for (size_t r = 0; r < s->robot_count; r++) {
         body_hash(s, r);
-        if (s->tracks && s->robots[r].controlled) {
-            tracks_add(s->tracks, (uint64_t)s->step * s->options.step_ns, s->robots[r].name,
+        if (s->tracks && s->agents.at[r].controlled) {
+            tracks_add(s->tracks, (uint64_t)s->step * s->options.step_ns, s->agents.at[r].name,
                        &s->robots[r].percept);
         }
     }
@@ -38,14 +38,15 @@ void step_record(struct session *s)
 }
 
 /* The dead-man: a speed that nobody renews for 10 steps, or whose owner is silent, is no speed. */
-static bool robot_is_held(const struct session *s, const struct session_robot *r, uint64_t now_ns)
+static bool robot_is_held(const struct session *s, size_t robot, uint64_t now_ns)
 {
-    if (r->process < 0 || r->quiet_steps >= SESSION_QUIET_STEPS) {
+    int32_t process = s->agents.at[robot].process;
+    if (process < 0 || s->robots[robot].quiet_steps >= SESSION_QUIET_STEPS) {
         return false;
     }
     uint64_t steps_ns = 3 * s->options.step_ns;
     uint64_t patience_ns = steps_ns > DEADMAN_NS ? steps_ns : DEADMAN_NS;
-    return !s->options.free || now_ns - s->processes[r->process].answered_wall_ns < patience_ns;
+    return !s->options.free || now_ns - s->processes[process].answered_wall_ns < patience_ns;
 }
 
 /* An order counts once; what cannot be done is not, and the percept shows it. */
@@ -55,19 +56,12 @@ static void gripper_apply(struct session *s, size_t robot)
     if (r->paddles != 0 || r->lift != 0) {
         mu_result done = engine_grip(s->engine, robot, r->paddles, r->lift);
         if (done != MU_OK) {
-            mu_log(MU_LOG_INFO, "gripper-refused", "robot=%s step=%lld: %s", r->name,
-                   (long long)s->step,
+            mu_log(MU_LOG_INFO, "gripper-refused", "robot=%s step=%lld: %s",
+                   s->agents.at[robot].name, (long long)s->step,
                    done == MU_ABSENT ? "it has none" : "there is no room to let go");
         }
     }
     r->paddles = r->lift = 0;
-}
-
-static void guests_fold(struct session *s)
-{
-    for (uint32_t i = 0; i < s->guests->count; i++) {
-        run_hash_fold(s->hash, s->guests->at[i].digest, RUN_HASH_BYTES);
-    }
 }
 
 static void commands_apply(struct session *s)
@@ -77,7 +71,7 @@ static void commands_apply(struct session *s)
         struct session_robot *r = &s->robots[i];
         r->quiet_steps = r->drives ? 0 : r->quiet_steps + 1;
         r->drives = false;
-        bool held = robot_is_held(s, r, now_ns);
+        bool held = robot_is_held(s, i, now_ns);
         double forward_m_s = held ? r->forward_m_s : 0.0;
         double turn_rad_s = held ? r->turn_rad_s : 0.0;
         /* The border has refused what is not finite, so the engine cannot. */
@@ -85,9 +79,10 @@ static void commands_apply(struct session *s)
         r->command_forward_m_s = forward_m_s;
         r->command_turn_rad_s = turn_rad_s;
         gripper_apply(s, i);
-        run_hash_fold(s->hash, r->digest, sizeof r->digest);
     }
-    guests_fold(s);
+    for (uint32_t i = 0; i < s->agents.count; i++) {
+        run_hash_fold(s->hash, s->agents.at[i].digest, RUN_HASH_BYTES);
+    }
 }
 
 /* The mails from outside that the step before this one took in. */
@@ -103,7 +98,7 @@ void step_finish(struct session *s)
     edits_apply(s);
     observe_finish(s);
     engine_step(s->engine);
-    guests_settle(s->guests);
+    agents_settle(&s->agents);
     s->step++;
     s->last_step_wall_ns = mu_clock_ns();
 }

@@ -55,7 +55,7 @@ static int begin(void)
     s.hash = run_hash_open();
     s.robot_count = 1;
     s.robots = calloc(1, sizeof *s.robots);
-    s.robots[0].controlled = true;
+    agents_open(&s.agents, &physics_world);
     s.options.step_ns = PHYSICS_STEP_NS;
     snprintf(s.name, sizeof s.name, "simulator.1");
     return bus_open(&s.bus, &options) != MU_OK || observe_open(&s) != MU_OK;

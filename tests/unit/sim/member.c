@@ -2,6 +2,7 @@
 /* The states of a process in a run: the whole table, and what registrations make of them. */
 #include "capture.h"
 #include "muster/memory.h"
+#include "physics.h"
 #include "sim/session/parts.h"
 #include "suite.h"
 
@@ -110,20 +111,18 @@ static void set_up(void)
         [HOST] = {.name = "host.1", .state = MEMBER_ACTIVE, .roles = MEMBER_HOSTS, .host = "inn"}};
     if (!s.processes) {
         s.processes = mu_startup_array(MU_PROCESSES_MAX, sizeof *s.processes);
-        s.robots = mu_startup_array(1, sizeof *s.robots);
-        s.guests = guests_open();
+        physics_clear();
+        physics_robot(0, 0, 0);
+        agents_open(&s.agents, &physics_world);
         mu_table_init(&s.process_names, MU_PROCESSES_MAX);
-        mu_table_init(&s.robot_names, 1);
         s.process_count = sizeof processes / sizeof processes[0];
         memcpy(s.processes, processes, sizeof processes);
         for (uint32_t i = 0; i < s.process_count; i++) {
             (void)mu_table_put(&s.process_names, s.processes[i].name, i);
         }
-        (void)mu_table_put(&s.robot_names, "red", 0);
-        s.robot_count = 1;
     }
     memcpy(s.processes, processes, sizeof processes);
-    s.robots[0] = (struct session_robot){.name = "red", .controlled = true, .process = CARTER};
+    s.agents.at[0].process = CARTER;
     s.options.return_ns = 1000000000;
     s.step = 7;
     s.phase = PHASE_RUNNING;
@@ -152,25 +151,25 @@ static void hear(const char *process, const char *agent, enum bus_life life)
 
 static void test_a_process_is_slow_for_a_moment(void)
 {
-    hear("carter.1", "red", BUS_LOST);
+    hear("carter.1", "robot0", BUS_LOST);
     CU_ASSERT_EQUAL(state(CARTER), MEMBER_LOST);
-    hear("carter.1", "red", BUS_DATA);
+    hear("carter.1", "robot0", BUS_DATA);
     CU_ASSERT_EQUAL(state(CARTER), MEMBER_ACTIVE);
 }
 
 static void test_a_successor_comes_before_or_after_the_loss(void)
 {
-    hear("carter.2", "red", BUS_DATA);
+    hear("carter.2", "robot0", BUS_DATA);
     CU_ASSERT_EQUAL(state(CARTER), MEMBER_CONTESTED);
     CU_ASSERT_FALSE(recover_is_due(&s));
-    hear("carter.1", "red", BUS_LOST);
+    hear("carter.1", "robot0", BUS_LOST);
     CU_ASSERT_EQUAL(state(CARTER), MEMBER_SUPERSEDED);
     CU_ASSERT_TRUE(recover_is_due(&s));
     hear("host.1", "inn", BUS_LOST);
     hear("host.2", "inn", BUS_DATA);
     CU_ASSERT_EQUAL(state(HOST), MEMBER_SUPERSEDED);
     capture_begin();
-    hear("carter.1", "red", BUS_DATA); /* it was stopped, and has a successor */
+    hear("carter.1", "robot0", BUS_DATA); /* it was stopped, and has a successor */
     capture_end();
     CU_ASSERT_EQUAL(state(CARTER), MEMBER_SUPERSEDED);
     CU_ASSERT_EQUAL(s.processes[CARTER].refused, 1);
@@ -198,21 +197,21 @@ static void test_a_watcher_has_a_successor_when_it_is_lost(void)
 
 static void test_a_claim_ends_with_its_claimer(void)
 {
-    hear("carter.2", "red", BUS_DATA);
-    hear("carter.3", "red", BUS_LOST); /* not its */
+    hear("carter.2", "robot0", BUS_DATA);
+    hear("carter.3", "robot0", BUS_LOST); /* not its */
     CU_ASSERT_EQUAL(state(CARTER), MEMBER_CONTESTED);
-    hear("carter.2", "red", BUS_LOST);
+    hear("carter.2", "robot0", BUS_LOST);
     CU_ASSERT_EQUAL(state(CARTER), MEMBER_ACTIVE);
-    hear("carter.1", "red", BUS_LOST);
-    hear("carter.1", "red", BUS_DATA);
+    hear("carter.1", "robot0", BUS_LOST);
+    hear("carter.1", "robot0", BUS_DATA);
     CU_ASSERT_EQUAL(state(CARTER), MEMBER_ACTIVE);
 }
 
 static void test_without_returns_nothing_is_claimed(void)
 {
     s.options.return_ns = 0;
-    hear("carter.1", "red", BUS_LOST);
-    hear("carter.2", "red", BUS_DATA);
+    hear("carter.1", "robot0", BUS_LOST);
+    hear("carter.2", "robot0", BUS_DATA);
     CU_ASSERT_EQUAL(state(CARTER), MEMBER_LOST);
     CU_ASSERT_FALSE(recover_is_due(&s));
 }
