@@ -48,6 +48,10 @@ CIRCLES = {
     "bus": [2],
     "core": [2],
 }
+# The same of folders.
+FOLDER_CIRCLES = {
+    "broker": [5, 2],
+}
 # Pointers in headers through which a lower floor calls a higher one: holder, how many, why.
 POINTERS = {
     "struct mu_handlers": (11, "public: the runtime calls an agent's program"),
@@ -70,7 +74,7 @@ POINTERS = {
     "struct mind_ports": (11, "ports of the mind: it has no process, and acts through them"),
     "environment_each_module()": (1, "a visitor of modules of a mind"),
     "struct fan_kernel": (3, "kernels for the vector units of processors"),
-    "struct session_listener": (3, "the session tells the recording of each step"),
+    "struct record_listener": (3, "the session tells the recording of each step"),
     "struct condition_names": (1, "conditions read names of any world"),
     "struct condition_view": (3, "conditions read positions of any world"),
     "builder_children()": (1, "a visitor of entities of a world's file"),
@@ -131,21 +135,26 @@ def inner_edges(ring, edges):
                 yield f"{f} -> {g}: {' '.join(edges[f][g])}"
 
 
+def known_circles(rings, known):
+    """@return for each circle of files or folders, the largest first, whether it is one of those"""
+    left = {module: list(sizes) for module, sizes in known.items()}
+    for ring in rings:
+        modules = {graph.module_of(f) for f in ring}
+        sizes = left.get(next(iter(modules)), []) if len(modules) == 1 else []
+        is_known = bool(sizes) and len(ring) <= sizes[0]
+        if is_known:
+            sizes.pop(0)
+        yield ring, modules, is_known
+
+
 def circle_problems(calls):
     """@yield (what, modules, whether it is a known one, the calls in it)"""
-    left = {module: list(sizes) for module, sizes in CIRCLES.items()}
-    for ring in graph.circles(calls.targets()):
-        modules = {graph.module_of(f) for f in ring}
-        known = left.get(next(iter(modules)), []) if len(modules) == 1 else []
-        is_known = bool(known) and len(ring) <= known[0]
-        if is_known:
-            known.pop(0)
+    for ring, modules, is_known in known_circles(graph.circles(calls.targets()), CIRCLES):
         yield f"circle of {len(ring)} files: {' '.join(ring)}", modules, is_known, inner_edges(ring, calls.edges)
-    for ring in graph.circles(calls.folders()):
+    for ring, modules, is_known in known_circles(graph.circles(calls.folders()), FOLDER_CIRCLES):
         within = [f for f in calls.files if graph.folder_of(f) in ring]
         apart = {f: {g: s for g, s in calls.edges[f].items() if graph.folder_of(f) != graph.folder_of(g)} for f in within}
-        yield (f"circle of {len(ring)} folders: {' '.join(ring)}", {graph.module_of(f) for f in within}, False,
-               inner_edges(within, apart))
+        yield f"circle of {len(ring)} folders: {' '.join(ring)}", modules, is_known, inner_edges(within, apart)
 
 
 def pointers(root):
