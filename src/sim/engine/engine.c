@@ -56,13 +56,12 @@ static void engine_build_bounds(struct engine *e)
 
 struct engine *engine_open(const struct world *world, const struct engine_options *options)
 {
-    uint64_t substep_ns = options->substep_ns ? options->substep_ns : ENGINE_SUBSTEP_NS;
-    MU_ASSERT(options->step_ns >= substep_ns && options->step_ns % substep_ns == 0);
+    MU_ASSERT(options->step_ns > 0 && options->step_ns % ENGINE_SUBSTEP_NS == 0);
     struct engine *e = mu_startup_alloc(sizeof *e);
     e->world = world;
     e->seed = options->seed;
-    e->substeps_per_step = (unsigned)(options->step_ns / substep_ns);
-    e->dt_s = (double)substep_ns * 1e-9;
+    e->substeps_per_step = (unsigned)(options->step_ns / ENGINE_SUBSTEP_NS);
+    e->dt_s = (double)ENGINE_SUBSTEP_NS * 1e-9;
     engine_take_memory(e, world);
     for (size_t i = 0; i < world->shape_count; i++) {
         e->shapes[i] = solid_of_shape(&world->shapes[i]);

@@ -14,9 +14,8 @@
 
 struct engine_options {
     uint64_t seed;
-    uint64_t step_ns;    /* one control step; a multiple of substep_ns */
-    uint64_t substep_ns; /* one step of the physics; 0: 20 ms */
-    size_t threads;      /* threads that read sensors, including the caller's; 0: one */
+    uint64_t step_ns; /* one control step; a multiple of 20 ms, the step of the physics */
+    size_t threads;   /* threads that read sensors, including the caller's; 0: one */
 };
 
 /* The exact state of a body: x, y, z; quaternion w, x, y, z; linear and angular velocity. */

@@ -21,24 +21,18 @@ static void sanity_put_back(struct engine *e, size_t body)
                (unsigned long long)b->faults, pose.x_m, pose.y_m);
     }
     motion_put(e, body, pose);
+    e->grid_is_old = true;
 }
 
 void sanity_check(struct engine *e)
 {
-    bool moved = false;
     for (size_t b = 0; b < e->body_count; b++) {
         struct engine_body *body = &e->bodies[b];
         body->fault = false;
-        if (bodies_is_held(e, b)) { /* it moves with the robot that holds it */
-            body->last_good = body->motion;
-        } else if (sanity_is_sound(e, &body->motion)) {
-            body->last_good = body->motion;
+        if (bodies_is_held(e, b) || sanity_is_sound(e, &body->motion)) {
+            body->last_good = body->motion; /* a held body moves with the robot that holds it */
         } else {
             sanity_put_back(e, b);
-            moved = true;
         }
-    }
-    if (moved) {
-        e->grid_is_old = true;
     }
 }

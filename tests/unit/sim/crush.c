@@ -25,12 +25,8 @@ static struct solid outline_of(const struct engine *e, size_t i)
 static double depth_of(const struct solid *a, const struct solid *b)
 {
     struct narrow_contact contact;
-    double depth = 0;
     narrow_collide(a, b, &contact);
-    for (size_t i = 0; i < contact.count; i++) {
-        depth = fmax(depth, contact.points[i].depth);
-    }
-    return depth;
+    return narrow_depth(&contact);
 }
 
 /* The deepest that anything lies in anything else; notes a NaN, a tilt, and who is outside. */

@@ -276,5 +276,5 @@ int main(void)
         {"speed, and the way to stop", test_speed_and_way_to_stop},
         CU_TEST_INFO_NULL,
     };
-    return suite_run("sim/change", tests);
+    return suite_run("sim/edit", tests);
 }
