@@ -162,6 +162,45 @@ def test_every_relative_link_resolves():
     check(count > 30, f"only {count} links looked at")
 
 
+def named(text):
+    """What a page names in backticks, apart from blocks of code."""
+    return re.findall(r"`([^`\n]+)`", re.sub(r"^ *```.*?^ *```", "", text, flags=re.M | re.S))
+
+
+def test_files_that_pages_name_exist():
+    files = [p.relative_to(ROOT) for p in ROOT.rglob("*") if not SKIPPED & set(p.relative_to(ROOT).parts)]
+    names, count = {p.name for p in files}, 0
+    for page in pages():
+        if page.name == "CHANGELOG.md":
+            continue  # it tells what was
+        for word in named(page.read_text()):
+            path = re.fullmatch(r"(?:src|include|idl|tests|tools|bench|patches)/[a-z0-9_./*-]*", word)
+            if path:
+                count += 1
+                check(any(ROOT.glob(word.rstrip("/"))), f"{page.relative_to(ROOT)}: {word}")
+            elif re.fullmatch(r"[a-z0-9_]+\.[ch]", word):
+                count += 1
+                check(word in names, f"{page.relative_to(ROOT)}: no file {word}")
+    check(count > 60, f"only {count} files looked at")
+
+
+def test_functions_that_pages_name_exist():
+    sources = [p for folder in ("src", "include", "idl", "tests", "bench", "examples") for p in (ROOT / folder).rglob("*")
+               if p.suffix in (".c", ".h", ".idl", ".py")]
+    known, count = set(), 0
+    for path in sources:
+        known |= set(re.findall(r"\w+", path.read_text()))
+    for page in pages():
+        if page.name == "CHANGELOG.md":
+            continue
+        for word in named(page.read_text()):
+            name = re.fullmatch(r"([a-z]+(?:_[a-z0-9]+)+)(?:\(\))?", word)
+            if name:
+                count += 1
+                check(name[1] in known, f"{page.relative_to(ROOT)}: {word} is nowhere in the code")
+    check(count > 60, f"only {count} functions looked at")
+
+
 def test_files_shown_in_pages_are_the_files():
     shown = 0
     for page in pages():
