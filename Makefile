@@ -94,7 +94,7 @@ LIBS_runtime := -lddsc -lm
 LIBS_broker  := -lddsc -lsqlite3 -lm
 LIBS_sim     := -lode -lccd -lcrypto -lddsc -lz -lpng -lm
 LIBS_planner := -lccd -lpng -lm
-LIBS_mind    := -Wl,--wrap=EvaluateProcActions,--wrap=ReturnFact -lccd -lpng -lm
+LIBS_mind    := -lccd -lpng -lm
 LIBS_agent   := $(LIBS_mind) -lddsc
 LIBS_resolver := -lddsc -lm
 LIBS_host    := $(LIBS_agent)
@@ -110,7 +110,7 @@ LIBS_web     := -lmicrohttpd -lddsc -lz -lm
 # The files of the page are part of the program: src/web/assets.c names them.
 ASSETS := $(patsubst %,$(O)/%.o,$(wildcard src/web/assets/*))
 module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN)) \
-                $(if $(filter mind,$(1) $(USES_$(1))),$(O)/libclips.a) $(if $(filter web,$(1)),$(ASSETS))
+                $(if $(filter mind,$(1) $(USES_$(1))),$(CLIPS_O)/libclips.a) $(if $(filter web,$(1)),$(ASSETS))
 
 PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot \
             muster-resolver muster-host muster-record muster-replay muster-web muster-monitor)
@@ -149,21 +149,22 @@ $(PROGRAMS): $(O)/bin/%: $(O)/src/$$(MAIN_$$*)/main.o $$(call module_objs,$$(MAI
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_$(MAIN_$*))
 
-# The engine from its source, once for all builds; its result does not depend on ours.
-CLIPS_CFLAGS := -std=gnu89 -w -O2 -g -ffp-contract=off -fno-strict-aliasing -fPIC -ffunction-sections \
-                -fdata-sections
-$(CLIPS)/core/whole: tools/clips-source | deps
+# CLIPS from its source, with our patches and our port: once for all builds, and once more for the
+# address sanitizer, which sees each block of it.  Its own undefined behaviour is let be: docs/clips.md.
+CLIPS_O      := $(CLIPS)$(if $(filter asan,$(BUILD)),/asan)
+CLIPS_CFLAGS := -std=gnu89 -w -g -ffp-contract=off -fno-strict-aliasing -fPIC -ffunction-sections -fdata-sections \
+                $(if $(filter asan,$(BUILD)),-O1 -fsanitize=address -fno-omit-frame-pointer -DMEM_TABLE_SIZE=0,-O2)
+PORT_ENVIRONMENT := envrnmnt
+PORT_MEMORY      := memalloc
+PORT_CALLS       := dffnxexe engine genrcexe msgpass
+$(CLIPS)/core/whole: tools/clips-source $(wildcard patches/clips/*.patch) | deps
 	$(Q)tools/clips-source $(CLIPS) && touch $@
-$(CLIPS)/libclips.a: $(CLIPS)/core/whole
-	@echo "  CC    $(CLIPS)/core/*.c"
-	$(Q)cd $(CLIPS)/core && ls *.c | grep -v '^main.c$$' | \
-	  xargs -P $(shell nproc) -I{} $(CC) $(CLIPS_CFLAGS) -c {} && rm -f ../libclips.a && ar rcs ../libclips.a *.o
-# In it stand functions of ours in the place of its own: src/mind/engine/clips_engine.h.
-ENGINE_OWN := EvaluateExpression EnvRtnUnknown EnvRtnArgCount EnvPrintRouter genalloc genfree EnvReleaseMem \
-  gensprintf PPCRAndIndent ExpandStringWithChar
-$(O)/libclips.a: $(CLIPS)/libclips.a Makefile
-	@mkdir -p $(@D); echo "  COPY  $@"
-	$(Q)objcopy $(ENGINE_OWN:%=--weaken-symbol=%) $< $@
+$(CLIPS_O)/libclips.a: $(CLIPS)/core/whole src/mind/engine/port.h
+	@mkdir -p $(@D); echo "  CC    $(CLIPS)/core/*.c"
+	$(Q)ls $(CLIPS)/core/*.c | sed 's|.*/||;s|\.c$$||;/^main$$/d' | \
+	  sed '$(foreach p,PORT_ENVIRONMENT PORT_MEMORY PORT_CALLS,$(foreach f,$($p),s/^$f$$/& -D$p/;))' | xargs -P $(shell nproc) -L 1 sh -c \
+	  '$(CC) $(CLIPS_CFLAGS) $$1 -include src/mind/engine/port.h -c -o $(CLIPS_O)/$$0.o $(CLIPS)/core/$$0.c' && \
+	  rm -f $@ && ar rcs $@ $(CLIPS_O)/*.o
 $(call objs,mind): CFLAGS += -fno-strict-aliasing # as it
 
 # Both libraries have the same in them: what is exported, and what that needs.

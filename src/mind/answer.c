@@ -44,7 +44,7 @@ bool mind_answer(struct mind *m, const struct mind_mail *mail, struct mu_text *o
     struct expr call = {.type = PCALL, .value = f};
     DATA_OBJECT result;
     environment_enter(m, CLIPS_MODE_FIRE);
-    clips_guard_start(m, 0);
+    budget_start(m, 0);
     clips_diary_mail(m, mail);
     bool good = !EvaluateExpression(m->env, &call, &result) && answer_write(m, &result, out);
     bool failed = environment_leave(m);
@@ -143,7 +143,7 @@ bool mind_handle(struct mind *m, const struct mind_mail *mail)
     }
     memcpy(chain, m->handlers, count * sizeof chain[0]);
     environment_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, 0);
+    budget_start(m, 0);
     clips_diary_mail(m, mail);
     struct multifield *fields = mailbox_content(m, mail, &list);
     MultifieldInstall(m->env, fields);
@@ -206,7 +206,7 @@ mu_result mind_facts(struct mind *m, const char *relation, struct mu_text *out)
     m->out = out;
     environment_enter(m, CLIPS_MODE_LINE);
     percept_show(m);
-    clips_guard_start(m, 0);
+    budget_start(m, 0);
     for (struct fact *f = EnvGetNextFact(m->env, NULL); f && !out->cut;
          f = EnvGetNextFact(m->env, f)) {
         if (!t || f->whichDeftemplate == t) {

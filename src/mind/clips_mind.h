@@ -8,6 +8,7 @@
 
 #include "core/random.h"
 #include "core/sensors.h"
+#include "mind/engine/port.h"
 #include "mind/engine/syntax.h"
 #include "mind/mind.h"
 #include "muster/limits.h"
@@ -18,13 +19,9 @@
 #include <tmpltutl.h>
 
 enum {
-    CLIPS_TICKS_MAX = 2000000, /* turns of loops and returns of functions, a step or a line */
-    CLIPS_UNITS_A_TICK = 64,   /* what functions do beside: bytes that they read, ... */
-    CLIPS_UNITS_MAX = CLIPS_TICKS_MAX * CLIPS_UNITS_A_TICK, /* it is told to come back, */
-    CLIPS_UNITS_LEFT = 2 * CLIPS_UNITS_MAX,                 /* and left where it is */
-    CLIPS_DEPTH_MAX = 1000,                                 /* functions that have not returned */
-    CLIPS_STACK_MAX = 3 << 20,                              /* bytes of stack below the entry */
-    CLIPS_MEMORY_MAX = 64 << 20,                            /* bytes that CLIPS holds */
+    CLIPS_DEPTH_MAX = 1000,         /* functions that have not returned */
+    CLIPS_STACK_MAX = 3 << 20,      /* bytes of stack below the entry */
+    CLIPS_MEMORY_MAX = 64 << 20,    /* bytes that CLIPS holds */
     CLIPS_MEMORY_BURST = 384 << 20, /* more is not given to it, even in the middle of one call */
     CLIPS_FAILING_MAX = 64,         /* different rules whose failures are counted */
     CLIPS_MEMORY_SPARE = 8 << 20,   /* more of them for a line, so that a person can tidy up */
@@ -96,20 +93,12 @@ struct clips_failing {
 
 struct clips_places; /* clips_place.c */
 
-/* What a mind's engine has of memory: clips_heap.c. */
-struct clips_heap {
-    struct clips_region *regions;
-    struct clips_piece *pieces;
-    char *at, *end; /* what is left of the chunk that is open */
-    size_t held;    /* bytes of chunks and pieces */
-};
+enum { HEAP_SIZES = 16 }; /* of small blocks */
 
-/* A call of a function that pays for what its arguments are: clips_meter.c. */
-struct clips_meter {
-    const struct clips_meter_row *row;
-    const struct expr *call;
-    uint64_t fields; /* of the arguments that it has had */
-    struct clips_meter *outer;
+/* What CLIPS has of memory: heap.c. */
+struct heap {
+    struct heap_item *large, *full, *pages[HEAP_SIZES]; /* pages that have room, by size */
+    size_t held;                                        /* bytes in all blocks */
 };
 
 /* Globals that C code reads; clips_env.c says what they are. */
@@ -147,8 +136,9 @@ struct percept_list {
 };
 
 struct mind {
-    void *env; /* NULL: there is none, or it broke */
-    struct clips_heap heap;
+    struct port_cost cost; /* first: port.h */
+    void *env;             /* NULL: there is none, or it broke */
+    struct heap heap;
     struct mind_options options;
     char name[MU_NAME_MAX + 1], folder[PATH_MAX], file[PATH_MAX]; /* that the options point to */
     struct mu_random random;
@@ -201,9 +191,7 @@ struct mind {
     bool passes;                   /* that rule may fire once all the same */
 
     /* guards */
-    uint64_t units;            /* of work, since the call of mind.h began */
-    uint64_t worked;           /* of them, when the port was told last */
-    struct clips_meter *meter; /* of the innermost call that has one, or NULL */
+    uint64_t worked; /* units of the cost, when the port was told last */
     long memory_max;
     const char *stopped;  /* which guard, or NULL */
     const char *stack;    /* at the entry */
@@ -272,15 +260,15 @@ void environment_each_module(struct mind *m, void *self, void (*visit)(struct mi
 /** @return the number that a global is set to; its first value when it is set to none */
 double environment_global(const struct mind *m, enum clips_global which);
 
-/* clips_heap.c */
+/* heap.c */
 
 /** Makes the environment of a mind; from here on, environment_mind knows whose it is. */
-void clips_heap_make(struct mind *m);
+void heap_make(struct mind *m);
 
 /** Gives back all memory of the environment, without a look at what stands in it. */
-void clips_heap_drop(struct mind *m);
+void heap_drop(struct mind *m);
 
-/* clips_guard.c */
+/* budget.c */
 
 /**
  * Begins every function of mind.h that calls into CLIPS.  A call that wants more memory than it may
@@ -292,49 +280,39 @@ void clips_heap_drop(struct mind *m);
 /** The answer of a broken mind, with m->lost. */
 #define CLIPS_BROKEN_TEXT "the rules are gone: %s"
 
-void clips_guard_install(struct mind *m);
+void budget_install(struct mind *m);
 
 /** CLIPS is left where it is: the mind is broken, and m->lost says why.  Goes back to the shelter.
  */
-_Noreturn void clips_guard_break(struct mind *m, const char *guard);
+_Noreturn void budget_break(struct mind *m, const char *guard);
 
 /** Says in m->lost which call into CLIPS has not come back; in the middle of it, or of a signal. */
-void clips_guard_say(struct mind *m);
+void budget_say(struct mind *m);
 
 /** It does not come back: both. */
-_Noreturn void clips_guard_leave(struct mind *m, const char *guard);
-
-/** It is given no more memory: the same. */
-_Noreturn void clips_guard_burst(struct mind *m);
+_Noreturn void budget_leave(struct mind *m, const char *guard);
 
 /** CLIPS was given memory: it may be long at work without a turn of a loop. */
-void clips_guard_allocated(struct mind *m);
-void clips_guard_start(struct mind *m, long memory_spare);
+void budget_allocated(struct mind *m);
+void budget_start(struct mind *m, long memory_spare);
 
-/** Counts what C code does for a rule; CLIPS_UNITS_A_TICK are a turn of a loop.  @return false:
+/** Counts what C code does for a rule; BUDGET_UNITS_A_TICK are a turn of a loop.  @return false:
  * there are not so many left, and the rule is stopped */
-bool clips_guard_charge(struct mind *m, uint64_t units);
+bool budget_charge(struct mind *m, uint64_t units);
 
-/* clips_watchdog.c */
+/* watchdog.c */
 
 /** The mind calls into CLIPS. */
-void clips_watchdog_enter(struct mind *m);
+void watchdog_enter(struct mind *m);
 
-/* clips_meter.c */
-void clips_meter_install(struct mind *m);
-
-/** Calls a function that pays.  @return false: it has nothing left to pay with, and was not called
- */
-bool clips_meter_begin(struct mind *m, struct clips_meter *meter);
+/* meter.c */
+void meter_install(struct mind *m);
 
 /** An argument of the call is known: it is paid for, or becomes empty. */
-void clips_meter_take(struct mind *m, struct clips_meter *meter, DATA_OBJECT *value);
+void meter_take(struct mind *m, struct meter *meter, DATA_OBJECT *value);
 
 /* clips_override.c */
 void builtins_install(struct mind *m);
-
-/* clips_format.c */
-void *clips_format_call(void *env);
 
 /* load.c */
 

@@ -81,7 +81,7 @@ mu_result mind_line(struct mind *m, const char *line, struct mu_text *out)
     }
     m->out = out;
     m->shown_count = 0;
-    clips_guard_start(m, CLIPS_MEMORY_SPARE);
+    budget_start(m, CLIPS_MEMORY_SPARE);
     bool done = true;
     while (done && (f = clips_text_form(&line, &number)).kind != CLIPS_FORM_END) {
         environment_enter(m, CLIPS_MODE_LINE);
@@ -120,7 +120,7 @@ struct glance_before {
 
 static struct glance_before glance_begin(struct mind *m)
 {
-    struct glance_before before = {.units = m->units,
+    struct glance_before before = {.units = m->cost.units,
                                    .worked = m->worked,
                                    .allocations = m->allocations,
                                    .stopped = m->stopped,
@@ -132,7 +132,7 @@ static struct glance_before glance_begin(struct mind *m)
                                    .time_tag = DefruleData(m->env)->CurrentEntityTimeTag};
     environment_enter(m, CLIPS_MODE_LINE);
     m->sheltered = false; /* a mind that is short of memory does not break because of a look */
-    m->units = m->worked = 0;
+    m->cost.units = m->worked = 0;
     m->memory_max = LONG_MAX;
     percept_show(m);
     return before;
@@ -150,7 +150,7 @@ static void glance_end(struct mind *m, const struct glance_before *before)
     m->diary = before->diary;
     m->diary.at[m->diary.len] = '\0';
     m->diary_lost = before->diary_lost;
-    m->units = before->units;
+    m->cost.units = before->units;
     m->worked = before->worked;
     m->allocations = before->allocations;
     m->stopped = before->stopped;

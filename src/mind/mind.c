@@ -14,13 +14,13 @@ static void env_install(struct mind *m)
 {
     environment_install(m);
     percept_install(m);
-    clips_guard_install(m);
+    budget_install(m);
     builtins_install(m);
     functions_install(m);
     load_install(m);
     step_install(m);
     clips_diary_install(m);
-    clips_meter_install(m);
+    meter_install(m);
 }
 
 static mu_result env_load_library(struct mind *m, struct mu_fault *fault)
@@ -91,13 +91,13 @@ mu_result mind_begin(struct mind *m, const struct mind_options *options, struct 
     mu_text_init(&m->fired, m->fired_bytes, sizeof m->fired_bytes);
     mu_text_init(&m->said, m->said_bytes, sizeof m->said_bytes);
     mu_random_seed(&m->random, options->seed, m->options.name);
-    clips_heap_make(m);
+    heap_make(m);
     env_install(m);
     if (CLIPS_BROKEN(m)) {
         return mu_fault_at(fault, "", 0, 0, CLIPS_BROKEN_TEXT, m->lost);
     }
     environment_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, 0);
+    budget_start(m, 0);
     bool built = environment_build(m) && facts_build(m);
     MU_ASSERT(!environment_leave(m) && built);
     mailbox_install(m);
@@ -121,7 +121,7 @@ bool mind_is_broken(const struct mind *m)
 void mind_close(struct mind *m)
 {
     if (m && m->env) {
-        clips_heap_drop(m);
+        heap_drop(m);
     }
 }
 
@@ -187,7 +187,7 @@ mu_result mind_save(struct mind *m, struct mu_text *out, struct mu_fault *fault)
         return MU_REFUSED;
     }
     environment_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, CLIPS_MEMORY_SPARE);
+    budget_start(m, CLIPS_MEMORY_SPARE);
     mu_result r = snapshot_save(m, out, fault);
     environment_leave(m);
     return r;
@@ -235,7 +235,7 @@ mu_result mind_set_global(struct mind *m, const char *name, const char *field)
     }
     mu_text_add(&build, ")");
     environment_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, 0);
+    budget_start(m, 0);
     bool built = EnvBuild(m->env, build.at);
     return environment_leave(m) || !built || build.cut ? MU_MALFORMED : MU_OK;
 }

@@ -88,7 +88,7 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act)
         return;
     }
     uint32_t budget = most < m->options.firings_max ? most : m->options.firings_max;
-    clips_guard_start(m, 0);
+    budget_start(m, 0);
     mu_text_clear(&m->fired);
     m->printed = 0;
     m->sense_again = false;
@@ -107,7 +107,7 @@ void mind_percept(struct mind *m, const struct mu_percept *percept)
         return;
     }
     environment_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, 0);
+    budget_start(m, 0);
     EnvIncrementGCLocks(m->env); /* nothing built here may go before it stands in a fact */
     clips_diary_cause(m, 'S', "", "");
     percept_take(m, percept);
@@ -124,7 +124,7 @@ void mind_feel_nothing(struct mind *m, uint64_t time_ns)
         return;
     }
     environment_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, 0);
+    budget_start(m, 0);
     percept_lose(m, time_ns);
     events_assert(m);
     messages_age(m);
@@ -143,7 +143,7 @@ void mind_event_now(struct mind *m, enum mu_event event, struct mind_act *act)
     m->pending[event] = true;
     if (!CLIPS_BROKEN(m)) {
         environment_enter(m, CLIPS_MODE_QUIET);
-        clips_guard_start(m, 0);
+        budget_start(m, 0);
         events_assert(m);
         awaited = events_are_awaited(m, event);
         environment_leave(m);
@@ -171,7 +171,7 @@ void mind_refused(struct mind *m, const char *change, const char *reason)
         return;
     }
     environment_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, 0);
+    budget_start(m, 0);
     events_refuse(m, change, reason);
     environment_leave(m);
 }
@@ -182,7 +182,7 @@ mu_result mind_take_mail(struct mind *m, const struct mind_mail *mail)
         return MU_FULL;
     }
     environment_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, 0);
+    budget_start(m, 0);
     clips_diary_mail(m, mail);
     mu_result r = mailbox_take(m, mail);
     environment_leave(m);
@@ -208,7 +208,7 @@ void mind_observe(struct mind *m, uint64_t time_ns, const char *const *relations
         return;
     }
     environment_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, 0);
+    budget_start(m, 0);
     m->percept.time_ns = time_ns;
     relations_clear(m, relations);
     events_assert(m);
@@ -222,7 +222,7 @@ mu_result mind_tell(struct mind *m, const char *fact)
         return MU_MALFORMED;
     }
     environment_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, 0);
+    budget_start(m, 0);
     const struct fact *told = EnvAssertString(m->env, fact);
     bool failed = environment_leave(m);
     return told && !failed ? MU_OK : MU_MALFORMED;
@@ -288,7 +288,7 @@ mu_result mind_tell_slots(struct mind *m, const char *relation, const struct min
         return MU_MALFORMED;
     }
     environment_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, 0);
+    budget_start(m, 0);
     struct deftemplate *t = EnvFindDeftemplate(m->env, relation);
     bool whole = t && !t->implied && slots_assert(m->env, t, slots, count) != NULL;
     bool failed = environment_leave(m);

@@ -54,6 +54,8 @@ static const char *const env_denied[] = {
     "operating-system",
 };
 
+enum { ENVIRONMENT_PRINT_UNITS = 16 }; /* what a printed word costs, with one for each byte */
+
 static const char *const env_kept_globals[2] = {"my-name", "mate"};
 
 /* Asked at each word that is printed, and at each byte of a file. */
@@ -101,6 +103,7 @@ static void env_print_line(struct mu_text *out, bool complaint, const char *text
 static int env_route_print(void *env, const char *name, const char *text)
 {
     struct mind *m = environment_mind(env);
+    m->cost.units += ENVIRONMENT_PRINT_UNITS + strlen(text);
     bool complaint = env_is(name, WERROR) || env_is(name, WWARNING);
     if (complaint && m->stopped) {
         return TRUE; /* each of a thousand calls would say that it ends */
@@ -149,11 +152,11 @@ void environment_enter(struct mind *m, enum clips_mode mode)
 {
     m->stack = __builtin_frame_address(0);
     m->mode = mode;
-    m->meter = NULL;
+    m->cost.meter = NULL;
     mu_text_clear(&m->said);
     SetHaltExecution(m->env, FALSE);
     SetEvaluationError(m->env, FALSE);
-    clips_watchdog_enter(m);
+    watchdog_enter(m);
     m->sheltered = true;
 }
 

@@ -1,279 +1,179 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The memory of a mind's engine.  What is small is cut from chunks and never goes back alone: the
- * engine has pools of it, by size.  What is not is a piece of its own.  So all of it can be given
- * back at once without a look at what stands in it, and a mind that broke in the middle of
- * something leaves nothing behind.
+ * The memory of a mind's CLIPS.  Small blocks of one size share pages; each larger block is one of
+ * malloc's.  All of them are in lists, so that a mind gives back everything at once, whatever state
+ * CLIPS is in.
  */
-#include "mind/engine/clips_engine.h"
+#include "mind/clips_mind.h"
 
 #include <malloc.h>
 #include <stdlib.h>
-#include <sys/mman.h>
 
 enum {
-    HEAP_CHUNK = 64 << 10,
-    HEAP_CHUNKS = 64,
-    HEAP_REGION = HEAP_CHUNK * HEAP_CHUNKS,
-    HEAP_ALIGNMENT = 8,
+    HEAP_PAGE = 4096,   /* a page stands at a multiple of its size */
+    HEAP_STEP = 8,      /* bytes from one size to the next */
+    HEAP_MALLOC = 16,   /* bytes that malloc keeps for itself: a page with them fills a page */
     HEAP_MUCH = 8 << 20 /* more than most minds have */
 };
 
-/* The heap of a checker sees what runs over. */
+/* The address sanitizer sees each block: none is small. */
 #ifdef __SANITIZE_ADDRESS__
-enum { HEAP_PIECES_FROM = 1 };
+enum { HEAP_SMALL_MAX = 0 };
 #else
-enum { HEAP_PIECES_FROM = MEM_TABLE_SIZE };
+enum { HEAP_SMALL_MAX = HEAP_SIZES * HEAP_STEP };
 #endif
 
-/* Chunks that the system gave together, at a multiple of their size: so a block tells its region.
- * The record is where the first chunk begins. */
-struct clips_region {
-    struct clips_region *next;
-    uint32_t used[HEAP_CHUNKS]; /* bytes that were cut from each; 0: it is free */
-    uint32_t idle[HEAP_CHUNKS]; /* of them, those in pools: while memory is given back */
+/* Stands before each large block, and begins each page. */
+struct heap_item {
+    struct heap_item *next, **link; /* link: what points to it */
+#ifdef __SANITIZE_ADDRESS__
+    size_t bytes, none; /* what is given back has the size that it was taken with */
+#endif
 };
 
-/* Stands before each piece. */
-struct clips_piece {
-    struct clips_piece *next, **link; /* link: what points to it */
+struct heap_page {
+    struct heap_item item;
+    void *free;              /* blocks that were given back, each of which points to the next */
+    uint32_t used, cut, end; /* blocks in use; bytes cut from the page so far, and at most */
 };
 
-/* Whose environment is being made: it is not tied to its mind yet. */
+static size_t heap_kind(size_t bytes)
+{
+    return bytes > 0 ? (bytes - 1) / HEAP_STEP : 0;
+}
+
+/* The mind whose environment is being made. */
 static struct mind *heap_maker;
 
 static struct mind *heap_mind(void *env)
 {
-    struct mind *m = clips_engine_mind(env);
+    struct mind *m = env ? environment_mind(env) : NULL;
     return m ? m : heap_maker;
 }
 
-/* --- chunks ----------------------------------------------------------------------------------- */
-
-static bool heap_grow(struct clips_heap *h)
+static void heap_link(struct heap_item **list, struct heap_item *item)
 {
-    char *got = mmap(NULL, 2 * (size_t)HEAP_REGION, PROT_READ | PROT_WRITE,
-                     MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    if (got == MAP_FAILED) {
-        return false;
+    item->next = *list;
+    item->link = list;
+    if (item->next) {
+        item->next->link = &item->next;
     }
-    size_t before = -(uintptr_t)got % HEAP_REGION;
-    char *start = got + before;
-    if (before > 0) {
-        (void)munmap(got, before);
+    *list = item;
+}
+
+static void heap_unlink(struct heap_item *item)
+{
+    *item->link = item->next;
+    if (item->next) {
+        item->next->link = item->link;
     }
-    (void)munmap(start + HEAP_REGION, HEAP_REGION - before);
-    (void)madvise(start, HEAP_REGION, MADV_NOHUGEPAGE); /* most minds need a part of it only */
-    struct clips_region *made = (struct clips_region *)start;
-    made->next = h->regions;
-    h->regions = made;
-    return true;
 }
 
-/* Opens the first chunk that is free.  @return false: none is */
-static bool heap_open(struct clips_heap *h)
+static struct heap_page *heap_open(struct heap_item **list, size_t size)
 {
-    for (struct clips_region *r = h->regions; r; r = r->next) {
-        for (size_t i = 0; i < HEAP_CHUNKS; i++) {
-            if (r->used[i] == 0) {
-                h->at = (char *)r + i * HEAP_CHUNK + (i == 0 ? sizeof *r : 0);
-                h->end = (char *)r + (i + 1) * HEAP_CHUNK;
-                h->held += HEAP_CHUNK;
-                return true;
-            }
-        }
-    }
-    return false;
-}
-
-/* The region of a block, or NULL: it is a piece. */
-static struct clips_region *heap_region(const struct clips_heap *h, const void *block)
-{
-    uintptr_t start = (uintptr_t)block - (uintptr_t)block % HEAP_REGION;
-    struct clips_region *r = h->regions;
-    while (r && (uintptr_t)r != start) {
-        r = r->next;
-    }
-    return r;
-}
-
-static size_t heap_chunk(const void *block)
-{
-    return (uintptr_t)block % HEAP_REGION / HEAP_CHUNK;
-}
-
-static size_t heap_rounded(size_t bytes)
-{
-    return (bytes + HEAP_ALIGNMENT - 1) / HEAP_ALIGNMENT * HEAP_ALIGNMENT;
-}
-
-static bool heap_has_room(const struct clips_heap *h, size_t bytes, size_t most)
-{
-    return bytes <= most && h->held <= most - bytes;
-}
-
-static void *heap_cut(struct clips_heap *h, size_t bytes, size_t most)
-{
-    bytes = heap_rounded(bytes);
-    if ((size_t)(h->end - h->at) < bytes) {
-        bool opened =
-            heap_has_room(h, HEAP_CHUNK, most) && (heap_open(h) || (heap_grow(h) && heap_open(h)));
-        if (!opened) {
-            return NULL;
-        }
-    }
-    char *cut = h->at;
-    h->at += bytes;
-    uintptr_t start = (uintptr_t)cut - (uintptr_t)cut % HEAP_REGION;
-    ((struct clips_region *)start)->used[heap_chunk(cut)] += (uint32_t)bytes;
-    return cut;
-}
-
-/* --- pieces ----------------------------------------------------------------------------------- */
-
-static void *heap_piece(struct clips_heap *h, size_t bytes, size_t most)
-{
-    if (!heap_has_room(h, bytes, most)) {
+    void *bytes = NULL;
+    if (posix_memalign(&bytes, HEAP_PAGE, HEAP_PAGE - HEAP_MALLOC) != 0) {
         return NULL;
     }
-    struct clips_piece *made = malloc(sizeof *made + bytes);
-    if (!made) {
+    struct heap_page *page = bytes;
+    uint32_t blocks = (uint32_t)((HEAP_PAGE - HEAP_MALLOC - sizeof *page) / size);
+    *page =
+        (struct heap_page){.cut = sizeof *page, .end = (uint32_t)(sizeof *page + blocks * size)};
+    heap_link(list, &page->item);
+    return page;
+}
+
+static bool heap_is_full(const struct heap_page *page)
+{
+    return !page->free && page->cut == page->end;
+}
+
+static void *heap_take_small(struct heap *h, size_t bytes)
+{
+    size_t kind = heap_kind(bytes);
+    struct heap_page *page = (struct heap_page *)h->pages[kind];
+    if (!page) {
+        page = heap_open(&h->pages[kind], (kind + 1) * HEAP_STEP);
+    }
+    if (!page) {
         return NULL;
     }
-    *made = (struct clips_piece){.next = h->pieces, .link = &h->pieces};
-    if (made->next) {
-        made->next->link = &made->next;
+    void *block = page->free;
+    if (block) {
+        page->free = *(void **)block;
+    } else {
+        block = (char *)page + page->cut;
+        page->cut += (uint32_t)((kind + 1) * HEAP_STEP);
     }
-    h->pieces = made;
-    h->held += bytes;
-    return made + 1;
+    page->used++;
+    if (heap_is_full(page)) {
+        heap_unlink(&page->item);
+        heap_link(&h->full, &page->item);
+    }
+    return block;
 }
 
-static void heap_end_piece(struct clips_heap *h, void *memory, size_t bytes)
+static void heap_give_small(struct heap *h, void *block, size_t bytes)
 {
-    struct clips_piece *piece = (struct clips_piece *)memory - 1;
-    *piece->link = piece->next;
-    if (piece->next) {
-        piece->next->link = piece->link;
+    struct heap_page *page = (struct heap_page *)((uintptr_t)block - (uintptr_t)block % HEAP_PAGE);
+    bool full = heap_is_full(page);
+    *(void **)block = page->free;
+    page->free = block;
+    page->used--;
+    if (full || page->used == 0) {
+        heap_unlink(&page->item);
     }
-    h->held -= bytes;
-    free(piece);
+    if (page->used == 0) {
+        free(page);
+    } else if (full) {
+        heap_link(&h->pages[heap_kind(bytes)], &page->item);
+    }
 }
 
-/* --- what the engine calls -------------------------------------------------------------------- */
-
-void *genalloc(void *env, size_t bytes)
+void *heap_take(void *env, size_t bytes)
 {
     struct mind *m = heap_mind(env);
-    struct memoryData *data = MemoryData(env);
-    size_t most = m->sheltered ? CLIPS_MEMORY_BURST : SIZE_MAX;
-    size_t whole = bytes < sizeof(void *) ? sizeof(void *) : bytes;
-    if (whole < MEM_TABLE_SIZE && data->MemoryTable[whole]) {
-        return clips_engine_take(env, whole);
+    struct heap *h = &m->heap;
+    bool fits = bytes <= CLIPS_MEMORY_BURST && h->held + bytes <= CLIPS_MEMORY_BURST;
+    if (m->sheltered && !fits) {
+        return NULL;
     }
-    void *given = whole < HEAP_PIECES_FROM ? heap_cut(&m->heap, whole, most)
-                                           : heap_piece(&m->heap, whole, most);
-    if (!given) {
-        clips_guard_burst(m);
-    }
-    data->MemoryAmount += (long)whole;
-    data->MemoryCalls++;
-    m->units += whole >= MEM_TABLE_SIZE ? whole / 64 : 0; /* it is filled */
-    clips_guard_allocated(m);
-    return given;
-}
-
-int genfree(void *env, void *memory, size_t bytes)
-{
-    struct clips_heap *h = &heap_mind(env)->heap;
-    if (bytes < MEM_TABLE_SIZE) {
-        clips_engine_give(env, memory, bytes < sizeof(void *) ? sizeof(void *) : bytes);
-        return 0;
-    }
-    MemoryData(env)->MemoryAmount -= (long)bytes;
-    MemoryData(env)->MemoryCalls--;
-    if (!heap_region(h, memory)) {
-        heap_end_piece(h, memory, bytes);
-    }
-    return 0;
-}
-
-/* Says of each chunk how much of it is in pools; a piece that is there goes at once. */
-static void heap_count_idle(void *env, struct clips_heap *h)
-{
-    struct memoryData *data = MemoryData(env);
-    for (size_t bytes = sizeof(void *); bytes < MEM_TABLE_SIZE; bytes++) {
-        struct memoryPtr **at = &data->MemoryTable[bytes];
-        while (*at) {
-            struct memoryPtr *block = *at;
-            struct clips_region *r = heap_region(h, block);
-            if (r) {
-                r->idle[heap_chunk(block)] += (uint32_t)heap_rounded(bytes);
-                at = &block->next;
-            } else {
-                *at = block->next;
-                data->MemoryAmount -= (long)bytes;
-                data->MemoryCalls--;
-                heap_end_piece(h, block, bytes);
-            }
+    void *block = NULL;
+    if (bytes <= HEAP_SMALL_MAX) {
+        block = heap_take_small(h, bytes);
+    } else {
+        struct heap_item *item = malloc(sizeof *item + bytes);
+        if (item) {
+#ifdef __SANITIZE_ADDRESS__
+            item->bytes = bytes;
+#endif
+            heap_link(&h->large, item);
+            block = item + 1;
         }
+        m->cost.units += bytes / BUDGET_UNITS_A_TICK; /* it is filled */
+    }
+    h->held += block ? bytes : 0;
+    budget_allocated(m);
+    return block;
+}
+
+void heap_give(void *env, void *block, size_t bytes)
+{
+    struct heap *h = &heap_mind(env)->heap;
+    h->held -= bytes;
+    if (bytes <= HEAP_SMALL_MAX) {
+        heap_give_small(h, block, bytes);
+    } else {
+        struct heap_item *item = (struct heap_item *)block - 1;
+#ifdef __SANITIZE_ADDRESS__
+        MU_ASSERT(item->bytes == bytes);
+#endif
+        heap_unlink(item);
+        free(item);
     }
 }
 
-/* A region's record stays, and with it the first chunk; so does the one that is open. */
-static bool heap_is_idle(const struct clips_heap *h, const struct clips_region *r, size_t chunk)
-{
-    return chunk > 0 && r->used[chunk] > 0 && r->idle[chunk] == r->used[chunk] &&
-           h->end != (const char *)r + (chunk + 1) * HEAP_CHUNK;
-}
-
-/* Takes out of the pools what is in chunks that go. */
-static void heap_leave_pools(void *env, struct clips_heap *h)
-{
-    struct memoryData *data = MemoryData(env);
-    for (size_t bytes = sizeof(void *); bytes < MEM_TABLE_SIZE; bytes++) {
-        struct memoryPtr **at = &data->MemoryTable[bytes];
-        while (*at) {
-            if (heap_is_idle(h, heap_region(h, *at), heap_chunk(*at))) {
-                *at = (*at)->next;
-                data->MemoryAmount -= (long)bytes;
-                data->MemoryCalls--;
-            } else {
-                at = &(*at)->next;
-            }
-        }
-    }
-}
-
-static void heap_shrink(struct clips_heap *h)
-{
-    for (struct clips_region *r = h->regions; r; r = r->next) {
-        for (size_t i = 0; i < HEAP_CHUNKS; i++) {
-            if (heap_is_idle(h, r, i)) {
-                (void)madvise((char *)r + i * HEAP_CHUNK, HEAP_CHUNK, MADV_DONTNEED);
-                h->held -= HEAP_CHUNK;
-                r->used[i] = 0;
-            }
-            r->idle[i] = 0;
-        }
-    }
-}
-
-/* Gives back all that can be, whatever is asked for: chunks of which everything is in pools. */
-long EnvReleaseMem(void *env, long wanted)
-{
-    struct clips_heap *h = &heap_mind(env)->heap;
-    long before = MemoryData(env)->MemoryAmount;
-    (void)wanted;
-    heap_count_idle(env, h);
-    heap_leave_pools(env, h);
-    heap_shrink(h);
-    return before - MemoryData(env)->MemoryAmount;
-}
-
-/* --- the whole -------------------------------------------------------------------------------- */
-
-void clips_heap_make(struct mind *m)
+void heap_make(struct mind *m)
 {
     heap_maker = m;
     m->env = CreateEnvironment();
@@ -282,41 +182,26 @@ void clips_heap_make(struct mind *m)
     heap_maker = NULL;
 }
 
-/* What the engine has of malloc itself: the tables that it finds everything else by. */
-static void heap_end_environment(struct environmentData *env)
+static void heap_drop_list(struct heap_item *item)
 {
-    struct environmentCleanupFunction *next;
-    for (struct environmentCleanupFunction *f = env->listOfCleanupEnvironmentFunctions; f;
-         f = next) {
-        next = f->next;
-        free(f);
+    while (item) {
+        struct heap_item *next = item->next;
+        free(item);
+        item = next;
     }
-    free(MemoryData(env)->MemoryTable);
-    for (size_t i = 0; i < MAXIMUM_ENVIRONMENT_POSITIONS; i++) {
-        free(env->theData[i]);
-    }
-    free(env->cleanupFunctions);
-    free(env->theData);
-    free(env);
 }
 
-void clips_heap_drop(struct mind *m)
+void heap_drop(struct mind *m)
 {
-    struct clips_heap *h = &m->heap;
+    struct heap *h = &m->heap;
     bool much = h->held > HEAP_MUCH;
-    heap_end_environment(m->env);
     m->env = NULL;
-    while (h->pieces) {
-        struct clips_piece *next = h->pieces->next;
-        free(h->pieces);
-        h->pieces = next;
+    heap_drop_list(h->large);
+    heap_drop_list(h->full);
+    for (size_t i = 0; i < HEAP_SIZES; i++) {
+        heap_drop_list(h->pages[i]);
     }
-    while (h->regions) {
-        struct clips_region *next = h->regions->next;
-        (void)munmap(h->regions, HEAP_REGION);
-        h->regions = next;
-    }
-    *h = (struct clips_heap){.held = 0};
+    *h = (struct heap){.held = 0};
     if (much) {
         (void)malloc_trim(0); /* else it keeps some of it */
     }

@@ -5,7 +5,7 @@
  * So an argument for which there are no ticks left comes to the function as an empty one, and the
  * rule ends behind it.
  */
-#include "mind/engine/clips_engine.h"
+#include "mind/clips_mind.h"
 
 #include <string.h>
 
@@ -34,10 +34,12 @@ enum {
     METER_AN_ACTIVATION = 2
 };
 
-static const struct clips_meter_row {
+struct meter_row {
     const char *name;
     enum meter_kind kind;
-} meter_rows[] = {
+};
+
+static const struct meter_row meter_rows[] = {
     {"str-cat", METER_BYTES},
     {"sym-cat", METER_BYTES},
     {"str-length", METER_BYTES},
@@ -112,7 +114,7 @@ static const struct clips_meter_row {
     {"refresh", METER_ALL},
 };
 
-void clips_meter_install(struct mind *m)
+void meter_install(struct mind *m)
 {
     for (size_t i = 0; i < sizeof meter_rows / sizeof meter_rows[0]; i++) {
         struct FunctionDefinition *f = FindFunction(m->env, meter_rows[i].name);
@@ -143,7 +145,7 @@ static uint64_t meter_text(const DATA_OBJECT *value)
 {
     uint64_t units = 0;
     const struct multifield *fields = value->value;
-    for (long i = value->begin; i <= value->end && units < CLIPS_UNITS_MAX; i++) {
+    for (long i = value->begin; i <= value->end && units < BUDGET_UNITS_MAX; i++) {
         const struct field *f = &fields->theFields[i];
         units += METER_A_FIELD + meter_word(f->type, f->value);
     }
@@ -159,13 +161,13 @@ static uint64_t meter_sort(uint64_t before, uint64_t fields)
     return 4 * METER_A_FIELD * rounds * fields;
 }
 
-static bool meter_is_index(const struct clips_meter *meter, const DATA_OBJECT *value)
+static bool meter_is_index(const struct meter *meter, const DATA_OBJECT *value)
 {
     bool first = meter->fields == 0;
     return value->type == INTEGER && (meter->row->kind == METER_FACTS || first);
 }
 
-static uint64_t meter_units(const struct mind *m, const struct clips_meter *meter,
+static uint64_t meter_units(const struct mind *m, const struct meter *meter,
                             const DATA_OBJECT *value)
 {
     bool text = meter_is_text(value->type);
@@ -189,9 +191,9 @@ static uint64_t meter_units(const struct mind *m, const struct clips_meter *mete
     return 0;
 }
 
-void clips_meter_take(struct mind *m, struct clips_meter *meter, DATA_OBJECT *value)
+void meter_take(struct mind *m, struct meter *meter, DATA_OBJECT *value)
 {
-    if (clips_guard_charge(m, meter_units(m, meter, value))) {
+    if (budget_charge(m, meter_units(m, meter, value))) {
         meter->fields += meter_fields(value);
     } else if (value->type == MULTIFIELD) {
         value->end = value->begin - 1;
@@ -202,13 +204,20 @@ void clips_meter_take(struct mind *m, struct clips_meter *meter, DATA_OBJECT *va
     }
 }
 
-bool clips_meter_begin(struct mind *m, struct clips_meter *meter)
+int meter_begin(void *env, struct meter *meter, const struct meter_row *row)
 {
-    uint64_t count = AgendaData(m->env)->NumberOfActivations;
-    meter->outer = m->meter;
-    m->meter = meter;
-    uint64_t units = meter->row->kind == METER_AGENDA ? METER_AN_ACTIVATION * count * count
-                     : meter->row->kind == METER_ALL  ? METER_AN_ALL
-                                                      : 0;
-    return units == 0 || clips_guard_charge(m, units);
+    struct mind *m = environment_mind(env);
+    uint64_t count = AgendaData(env)->NumberOfActivations;
+    *meter = (struct meter){
+        .row = row, .call = EvaluationData(env)->CurrentExpression, .outer = m->cost.meter};
+    m->cost.meter = meter;
+    uint64_t units = row->kind == METER_AGENDA ? METER_AN_ACTIVATION * count * count
+                     : row->kind == METER_ALL  ? METER_AN_ALL
+                                               : 0;
+    return units == 0 || budget_charge(m, units);
+}
+
+void meter_end(void *env, struct meter *meter)
+{
+    environment_mind(env)->cost.meter = meter->outer;
 }

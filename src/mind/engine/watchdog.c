@@ -5,7 +5,7 @@
  * neither a machine that has much to do nor a process that was stopped is taken for an engine that
  * hangs.
  */
-#include "mind/engine/clips_engine.h"
+#include "mind/clips_mind.h"
 
 #include <signal.h>
 #include <time.h>
@@ -18,7 +18,7 @@
 
 enum {
     WATCHDOG_LOOK_MS = 250,
-    WATCHDOG_UNITS = 1000 * CLIPS_UNITS_A_TICK /* an engine at work counts a thousand times that */
+    WATCHDOG_UNITS = 1000 * BUDGET_UNITS_A_TICK /* an engine at work counts a thousand times that */
 };
 
 static struct {
@@ -28,7 +28,7 @@ static struct {
     unsigned looks;           /* since it has come to a guard */
 } watchdog;
 
-void clips_watchdog_enter(struct mind *m)
+void watchdog_enter(struct mind *m)
 {
     watchdog.mind = m;
     watchdog.entries++;
@@ -36,7 +36,7 @@ void clips_watchdog_enter(struct mind *m)
 
 static void watchdog_end(struct mind *m, int code)
 {
-    clips_guard_say(m);
+    budget_say(m);
     char bytes[sizeof m->lost + sizeof m->name + 8];
     struct mu_text t;
     mu_text_init(&t, bytes, sizeof bytes);
@@ -54,17 +54,17 @@ static void watchdog_look(int number)
         return;
     }
     bool hangs =
-        watchdog.looked_at == watchdog.entries && m->units - watchdog.seen < WATCHDOG_UNITS;
+        watchdog.looked_at == watchdog.entries && m->cost.units - watchdog.seen < WATCHDOG_UNITS;
     watchdog.looks = hangs ? watchdog.looks + 1 : 0;
     watchdog.looked_at = watchdog.entries;
-    watchdog.seen = m->units;
+    watchdog.seen = m->cost.units;
     if (!hangs) {
         return;
     }
     int code = m->options.ports.stuck(m->options.ports.self, watchdog.looks * WATCHDOG_LOOK_MS);
     if (code == MIND_BREAKS) {
         watchdog.looks = 0;
-        clips_guard_leave(m, "time");
+        budget_leave(m, "time");
     } else if (code != MIND_WAITS) {
         watchdog_end(m, code);
     }

@@ -184,8 +184,7 @@ static void *builtin_gensym(void *env)
     long long *number = GetEnvironmentData(env, BUILTIN_GENSYM_DATA);
     do {
         snprintf(word, sizeof word, "gen%lld", (*number)++);
-    } while (clips_guard_charge(environment_mind(env), CLIPS_UNITS_A_TICK) &&
-             FindSymbolHN(env, word));
+    } while (budget_charge(environment_mind(env), BUDGET_UNITS_A_TICK) && FindSymbolHN(env, word));
     return EnvAddSymbol(env, word);
 }
 
@@ -239,6 +238,5 @@ void builtins_install(struct mind *m)
     builtin_define(m->env, "str-assert", builtin_assert, "11k");
     builtin_define(m->env, "str-index", builtin_index, "22j");
     (void)builtin_replace(m->env, "gensym*", (void (*)(void))builtin_gensym);
-    (void)builtin_replace(m->env, "format", (void (*)(void))clips_format_call);
     builtin_define(m->env, "set-strategy", builtin_strategy, "11w");
 }

@@ -29,7 +29,7 @@ void path_plan(void *env, DATA_OBJECT *out)
     double from_m[2] = {p->x_m, p->y_m};
     double to_m[2] = {to_mm[0] / 1000, to_mm[1] / 1000};
     mu_result found = planner_search(m->options.planner, from_m, to_m, m->options.half_m, &path);
-    (void)clips_guard_charge(m, CLIPS_UNITS_A_TICK * (path.looked / PLAN_CELLS_A_TICK));
+    (void)budget_charge(m, BUDGET_UNITS_A_TICK * (path.looked / PLAN_CELLS_A_TICK));
     if (found != MU_OK) {
         return;
     }

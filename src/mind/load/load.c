@@ -96,7 +96,7 @@ mu_result load_construct(struct mind *m, const char *path, struct clips_form f,
     }
     m->error_line = 0;
     environment_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, 0);
+    budget_start(m, 0);
     OpenTextSource(m->env, "mu-load", form.at, 0, form.len);
     EnvSetParsingFileName(m->env, path);
     int loaded = LoadConstructsFromLogicalName(m->env, "mu-load");
@@ -304,7 +304,7 @@ mu_result load_file(struct mind *m, const char *path, struct mu_fault *fault)
 mu_result load_begin(struct mind *m, const char *path, struct mu_fault *fault)
 {
     environment_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, 0);
+    budget_start(m, 0);
     m->shown_count = 0;
     EnvReset(m->env);
     if (environment_leave(m)) {

@@ -281,7 +281,7 @@ static mu_result body_load(struct snapshot *c, char name[MU_NAME_MAX + 1])
     MU_TRY(switches_load(c));
     MU_TRY(rules_load(c));
     environment_enter(m, CLIPS_MODE_QUIET);
-    clips_guard_start(m, CLIPS_MEMORY_SPARE);
+    budget_start(m, CLIPS_MEMORY_SPARE);
     EnvIncrementGCLocks(m->env); /* nothing read here may go before it stands somewhere */
     mu_result r = gensym_load(c);
     struct snapshot globals = *c; /* patterns look at them, and they at facts */

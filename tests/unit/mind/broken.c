@@ -215,6 +215,27 @@ static void test_memory_of_one_size_becomes_memory_of_another(void)
     mind_close(mind);
 }
 
+/* A text of 4 MB, so often that its length is no number of 32 bits. */
+static void test_a_text_longer_than_4_GiB_is_too_much(void)
+{
+    char line[8192], bytes[4096];
+    struct mu_text joined, out;
+    mu_text_init(&joined, line, sizeof line);
+    mu_text_init(&out, bytes, sizeof bytes);
+    mu_text_add(&joined, "(str-length (str-cat");
+    for (int i = 0; i < 1030; i++) {
+        mu_text_add(&joined, " ?*all*");
+    }
+    mu_text_add(&joined, "))");
+    begin();
+    CU_ASSERT_EQUAL(say("(bind ?*all* \"0123456789abcdef\")"
+                        "(loop-for-count 18 (bind ?*all* (str-cat ?*all* ?*all*)))"),
+                    MU_OK);
+    CU_ASSERT_EQUAL(mind_line(mind, line, &out), MU_MALFORMED);
+    CU_ASSERT_PTR_NOT_NULL(strstr(bytes, "the rules are gone"));
+    mind_close(mind);
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -225,6 +246,7 @@ int main(void)
         {"what does not come back is left", test_what_does_not_come_back_is_left},
         {"memory of one size becomes memory of another",
          test_memory_of_one_size_becomes_memory_of_another},
+        {"a text longer than 4 GiB is too much", test_a_text_longer_than_4_GiB_is_too_much},
         CU_TEST_INFO_NULL,
     };
     return suite_run("agent/broken", tests);

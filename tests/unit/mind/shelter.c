@@ -193,7 +193,6 @@ static void begin(bool with_rules)
 static void leave_room(size_t room)
 {
     memset(MemoryData(mind->env)->MemoryTable, 0, MEM_TABLE_SIZE * sizeof(struct memoryPtr *));
-    mind->heap.at = mind->heap.end;
     mind->heap.held = CLIPS_MEMORY_BURST - room;
 }
 
