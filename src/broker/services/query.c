@@ -270,41 +270,56 @@ void query_refuse(struct broker *b, uint32_t own, const struct mail *question)
     query_reply(b, own, question, "not-understood", b->text);
 }
 
-static const struct query {
+/* The verbs of questions and changes. */
+static const struct {
     const char *performative;
-    void (*answer)(struct broker *b, const struct mail *question);
     unsigned names; /* which of its fields, from 1, names an agent whom it changes; 0: none */
-} queries[] = {
-    {"lookup", query_lookup, 0},
-    {"listing", query_listing, 0},
-    {"groups", query_groups, 0},
-    {"members", query_members, 0},
-    {"group-create", query_group_create, 0},
-    {"group-join", query_group_join, 2},
-    {"group-leave", query_group_leave, 2},
-    {"advertise", query_advertise, 4},
-    {"withdraw", query_withdraw, 2},
-    {"find-service", query_find_service, 0},
-    {"subscribe", query_subscribe, 0},
-    {"unsubscribe", query_unsubscribe, 0},
+} verbs[QUERY_VERBS] = {
+    [QUERY_LOOKUP] = {"lookup", 0},
+    [QUERY_LISTING] = {"listing", 0},
+    [QUERY_GROUPS] = {"groups", 0},
+    [QUERY_MEMBERS] = {"members", 0},
+    [QUERY_GROUP_CREATE] = {"group-create", 0},
+    [QUERY_GROUP_JOIN] = {"group-join", 2},
+    [QUERY_GROUP_LEAVE] = {"group-leave", 2},
+    [QUERY_ADVERTISE] = {"advertise", 4},
+    [QUERY_WITHDRAW] = {"withdraw", 2},
+    [QUERY_FIND_SERVICE] = {"find-service", 0},
+    [QUERY_SUBSCRIBE] = {"subscribe", 0},
+    [QUERY_UNSUBSCRIBE] = {"unsubscribe", 0},
 };
 
-static const struct query *query_of(const struct mail *question)
+enum query_verb query_verb(const struct mail *question)
 {
-    for (size_t i = 0; i < sizeof queries / sizeof queries[0]; i++) {
-        if (question->letter.layer == 2 &&
-            strcmp(question->letter.performative, queries[i].performative) == 0) {
-            return &queries[i];
-        }
+    enum query_verb verb = 0;
+    while (verb < QUERY_VERBS &&
+           (question->letter.layer != 2 ||
+            strcmp(question->letter.performative, verbs[verb].performative) != 0)) {
+        verb++;
     }
-    return NULL;
+    return verb;
 }
+
+static void (*const answers[QUERY_VERBS])(struct broker *b, const struct mail *question) = {
+    [QUERY_LOOKUP] = query_lookup,
+    [QUERY_LISTING] = query_listing,
+    [QUERY_GROUPS] = query_groups,
+    [QUERY_MEMBERS] = query_members,
+    [QUERY_GROUP_CREATE] = query_group_create,
+    [QUERY_GROUP_JOIN] = query_group_join,
+    [QUERY_GROUP_LEAVE] = query_group_leave,
+    [QUERY_ADVERTISE] = query_advertise,
+    [QUERY_WITHDRAW] = query_withdraw,
+    [QUERY_FIND_SERVICE] = query_find_service,
+    [QUERY_SUBSCRIBE] = query_subscribe,
+    [QUERY_UNSUBSCRIBE] = query_unsubscribe,
+};
 
 void query_answer(struct broker *b, const struct mail *question)
 {
-    const struct query *q = query_of(question);
-    if (q) {
-        q->answer(b, question);
+    enum query_verb verb = query_verb(question);
+    if (verb < QUERY_VERBS) {
+        answers[verb](b, question);
     } else {
         query_refuse(b, REGISTRY_BROKER, question);
     }
@@ -312,13 +327,14 @@ void query_answer(struct broker *b, const struct mail *question)
 
 uint32_t query_named(const struct broker *b, const struct mail *question)
 {
-    const struct query *q = query_of(question);
+    enum query_verb verb = query_verb(question);
+    unsigned names = verb < QUERY_VERBS ? verbs[verb].names : 0;
     const char *content = question->letter.content;
     char name[MU_NAME_MAX + 1];
     struct mu_text read;
     bool whole = false;
     mu_text_init(&read, name, sizeof name);
-    for (unsigned i = 0; q && i < q->names; i++) {
+    for (unsigned i = 0; i < names; i++) {
         whole = mu_fields_next(&content, &read);
         if (!whole && !read.cut) {
             return MU_NONE;

@@ -34,6 +34,27 @@
 
 struct broker;
 
+/* The verbs of questions and changes. */
+enum query_verb {
+    QUERY_LOOKUP,
+    QUERY_LISTING,
+    QUERY_GROUPS,
+    QUERY_MEMBERS,
+    QUERY_GROUP_CREATE,
+    QUERY_GROUP_JOIN,
+    QUERY_GROUP_LEAVE,
+    QUERY_ADVERTISE,
+    QUERY_WITHDRAW,
+    QUERY_FIND_SERVICE,
+    QUERY_SUBSCRIBE,
+    QUERY_UNSUBSCRIBE,
+    QUERY_VERBS
+};
+
+/** @return the verb of a mail to the broker; QUERY_VERBS: it is none */
+enum query_verb query_verb(const struct mail *question);
+
+/** Answers a mail to the broker itself. */
 void query_answer(struct broker *b, const struct mail *question);
 
 /** Answers that this is not understood. */
