@@ -44,6 +44,11 @@ bool liaison_is_broker(const char *process)
     return strncmp(process, PREFIX, PREFIX_LEN) == 0;
 }
 
+const char *liaison_name(const char *process)
+{
+    return process + PREFIX_LEN;
+}
+
 struct peer *liaison_peer(struct broker *b, const char *name)
 {
     for (uint32_t i = 0; i < b->liaison.peers_count; i++) {
@@ -283,7 +288,7 @@ static void peer_set_there(struct broker *b, struct peer *p, bool there)
 void liaison_lose(struct broker *b, uint32_t place)
 {
     struct place *at = &b->places.at[place];
-    struct peer *p = liaison_peer(b, at->name + PREFIX_LEN);
+    struct peer *p = liaison_peer(b, liaison_name(at->name));
     at->lost = true;
     if (p && p->there) {
         ways_lose(b, p);
@@ -432,8 +437,8 @@ static void entry_take(struct broker *b, struct peer *p, const muster_Entry *e, 
 
 void liaison_hear(struct broker *b, const muster_Registration *r)
 {
-    const char *name = r->process + PREFIX_LEN;
-    if (!r->is_broker || !liaison_is_broker(r->process) || !border_string(name, MU_NAME_MAX) ||
+    const char *name = liaison_is_broker(r->process) ? liaison_name(r->process) : NULL;
+    if (!r->is_broker || !name || !border_string(name, MU_NAME_MAX) ||
         !mu_name_valid(name)) {
         b->counters.malformed++;
         return;

@@ -101,6 +101,9 @@ void liaison_init(struct liaison *l);
 /** @return whether a process's name is that of a broker */
 bool liaison_is_broker(const char *process);
 
+/** @return the broker's name in such a name of a process */
+const char *liaison_name(const char *process);
+
 /** @return the neighbour of that name, or NULL */
 struct peer *liaison_peer(struct broker *b, const char *name);
 
