@@ -35,7 +35,7 @@ static const uint64_t ROSTER_PATIENCE_NS = 500000000;
 /* So long it listens for another one of its name before it answers anybody. */
 static const uint64_t DOUBT_NS = 300000000;
 
-struct post {
+struct node {
     struct bus bus;
     struct broker *broker;
     struct disk *disk; /* NULL: without a store */
@@ -60,12 +60,12 @@ static void signal_note(int number)
     signal_came = 1;
 }
 
-static uint64_t post_now(const struct post *p)
+static uint64_t post_now(const struct node *p)
 {
     return mu_clock_ns() - p->began_ns;
 }
 
-static mu_result post_open(struct post *p, const char *name, bool on_loopback)
+static mu_result post_open(struct node *p, const char *name, bool on_loopback)
 {
     char partition[sizeof "broker." + MU_NAME_MAX];
     snprintf(partition, sizeof partition, "broker.%s", name);
@@ -84,7 +84,7 @@ static mu_result post_open(struct post *p, const char *name, bool on_loopback)
 /* Whatever comes late on a path delays all that comes after it, and the first samples of a DDS
  * writer can be late.  @return whether an Up of every process of a roster has come, and every
  * Delivery to it has arrived */
-static bool roster_is_heard(struct post *p, const muster_Roster *roster)
+static bool roster_is_heard(struct node *p, const muster_Roster *roster)
 {
     for (uint32_t i = 0; roster->lockstep && i < roster->processes._length; i++) {
         const struct mailbag *bag = mailbags_find(&p->bags, roster->processes._buffer[i]);
@@ -96,7 +96,7 @@ static bool roster_is_heard(struct post *p, const muster_Roster *roster)
 }
 
 /* The end of a roster has the simulator's name alone. */
-static bool roster_is_ours(const struct post *p, const muster_Roster *roster, enum bus_life life)
+static bool roster_is_ours(const struct node *p, const muster_Roster *roster, enum bus_life life)
 {
     if (life != BUS_DATA) {
         return strcmp(roster->simulator, p->simulator) == 0;
@@ -104,7 +104,7 @@ static bool roster_is_ours(const struct post *p, const muster_Roster *roster, en
     return roster->broker[0] == '\0' || strcmp(roster->broker, p->herald.beacons.name) == 0;
 }
 
-static void rosters_take(struct post *p)
+static void rosters_take(struct node *p)
 {
     enum bus_life life = BUS_DATA;
     while (p->roster || (p->roster = bus_next(&p->rosters, &life))) {
@@ -125,7 +125,7 @@ static void rosters_take(struct post *p)
     }
 }
 
-static void up_take(struct post *p, const muster_Up *up)
+static void up_take(struct node *p, const muster_Up *up)
 {
     struct mailbag *bag = mailbags_find(&p->bags, up->process);
     if (bag) {
@@ -134,7 +134,7 @@ static void up_take(struct post *p, const muster_Up *up)
     broker_up(p->broker, up, post_now(p));
 }
 
-static void ups_take(struct post *p)
+static void ups_take(struct node *p)
 {
     enum bus_life life;
     const muster_Up *up;
@@ -146,7 +146,7 @@ static void ups_take(struct post *p)
 }
 
 /* Who leaves has said its last before: that is heard first. */
-static void registrations_take(struct post *p)
+static void registrations_take(struct node *p)
 {
     enum bus_life life;
     const muster_Registration *r;
@@ -160,7 +160,7 @@ static void registrations_take(struct post *p)
     }
 }
 
-static void post_take(struct post *p)
+static void post_take(struct node *p)
 {
     registrations_take(p);
     ups_take(p);
@@ -171,7 +171,7 @@ static void post_take(struct post *p)
 /* --- out -------------------------------------------------------------------------------------- */
 
 /* One that the network does not take holds up no other.  @return whether it took all */
-static bool deliveries_write(struct post *p)
+static bool deliveries_write(struct node *p)
 {
     const char *process;
     muster_Delivery delivery;
@@ -188,7 +188,7 @@ static bool deliveries_write(struct post *p)
     return all;
 }
 
-static void pages_tell(struct post *p)
+static void pages_tell(struct node *p)
 {
     muster_Page page;
     while (broker_page_news(p->broker, &page)) {
@@ -199,7 +199,7 @@ static void pages_tell(struct post *p)
     }
 }
 
-static void events_tell(struct post *p)
+static void events_tell(struct node *p)
 {
     muster_BrokerEvent event;
     while (broker_event_next(p->broker, &event)) {
@@ -215,7 +215,7 @@ static void events_tell(struct post *p)
 /* While it waits for a whole step, whoever is not in the lock step waits for at most so long. */
 static const int64_t OUTSIDE_PATIENCE_NS = 2000000;
 
-static int64_t wait_ns(const struct post *p, bool impatient)
+static int64_t wait_ns(const struct node *p, bool impatient)
 {
     uint64_t now_ns = post_now(p);
     uint64_t due_ns = broker_deadline_ns(p->broker);
@@ -226,7 +226,7 @@ static int64_t wait_ns(const struct post *p, bool impatient)
 
 /* A step that does not come for so long is paced, or somebody is slow: then whoever comes next is
  * heard at once. */
-static void samples_await(struct post *p, bool impatient)
+static void samples_await(struct node *p, bool impatient)
 {
     uint64_t wanted = broker_samples_wanted(p->broker);
     int64_t most_ns = wait_ns(p, impatient);
@@ -239,7 +239,7 @@ static void samples_await(struct post *p, bool impatient)
 }
 
 /* What must be on disk before anybody is told. */
-static void store_write(struct post *p)
+static void store_write(struct node *p)
 {
     muster_Level level;
     if (p->disk && journal_wanted(p->broker, &level)) {
@@ -247,7 +247,7 @@ static void store_write(struct post *p)
     }
 }
 
-static void post_round(struct post *p)
+static void post_round(struct node *p)
 {
     herald_hear(&p->herald);
     herald_tell(&p->herald, p->broker, &p->bags);
@@ -274,7 +274,7 @@ static void post_round(struct post *p)
 }
 
 /* Nobody is answered while another broker of this name may be there. */
-static void doubt_settle(struct post *p, bool is_lone)
+static void doubt_settle(struct node *p, bool is_lone)
 {
     struct herald *h = &p->herald;
     uint64_t until_ns = post_now(p) + DOUBT_NS;
@@ -287,7 +287,7 @@ static void doubt_settle(struct post *p, bool is_lone)
 }
 
 /* Joins the network.  @return MU_EXIT_DONE, or the exit code, explained */
-static int network_join(struct post *p, const struct mu_network *network,
+static int network_join(struct node *p, const struct mu_network *network,
                         const struct broker_options *broker)
 {
     struct bus_options bus = {.domain = (int)network->domain,
@@ -328,7 +328,7 @@ int main(int argc, char **argv)
     mu_log_open("broker", settings.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
 
     signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is a full disk, no reason to die */
-    struct post *p = mu_startup_alloc(sizeof *p);
+    struct node *p = mu_startup_alloc(sizeof *p);
     p->began_ns = mu_clock_ns();
     const struct mu_network *network = &settings.network;
     struct opening opening = {0};

@@ -25,7 +25,7 @@ static bool border_sequence(uint32_t length, const void *buffer, uint32_t max)
 
 bool border_registration(const muster_Registration *r)
 {
-    if (!border_process(r->process) || r->part >= PLACES_PARTS ||
+    if (!border_process(r->process) || r->part >= MU_PARTS_MAX ||
         !border_string(r->broker, MU_FIELD_MAX) || !border_string(r->host, 4096) ||
         !border_sequence(r->agents._length, r->agents._buffer, MU_PART_AGENTS)) {
         return false;
