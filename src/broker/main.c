@@ -1,14 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster-broker: the broker on the network.  What it decides is in broker.c; here it is done. */
 #include "broker/control/broker.h"
-#include "broker/node/disk.h"
-#include "broker/node/files.h"
-#include "broker/node/health.h"
-#include "broker/node/herald.h"
-#include "broker/node/mailbags.h"
-#include "broker/node/opening.h"
-#include "broker/node/peers.h"
-#include "broker/node/settings.h"
+#include "broker/node/node.h"
 #include "bus/bus.h"
 #include "bus/config.h"
 #include "core/clock.h"
@@ -188,7 +181,7 @@ static bool deliveries_write(struct node *p)
     return all;
 }
 
-static void pages_tell(struct node *p)
+static void pages_publish(struct node *p)
 {
     muster_Page page;
     while (broker_page_news(p->broker, &page)) {
@@ -260,7 +253,7 @@ static void post_round(struct node *p)
     store_write(p);
     impatient = !peers_tell(&p->peers, p->broker) || impatient;
     impatient = !deliveries_write(p) || impatient;
-    pages_tell(p);
+    pages_publish(p);
     events_tell(p);
     files_audit_write(&p->audit, p->broker);
     if (look) {

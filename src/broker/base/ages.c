@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/base/ages.h"
+#include "broker/base/base.h"
 
 void ages_add(struct ages *a, struct mail *m, uint64_t mail_ns)
 {

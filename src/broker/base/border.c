@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/base/border.h"
+#include "broker/base/base.h"
 
-#include "broker/names/places.h"
-#include "broker/names/registry.h"
 #include "core/address.h"
 #include "core/name.h"
+#include "core/text.h"
+#include "core/utf8.h"
+#include "muster/memory.h"
 
 #include <string.h>
 
@@ -15,7 +16,7 @@ bool border_string(const char *s, size_t max)
 
 static bool border_process(const char *name)
 {
-    return border_string(name, MU_PROCESS_MAX) && places_name_valid(name);
+    return border_string(name, MU_PROCESS_MAX) && border_process_name(name);
 }
 
 static bool border_sequence(uint32_t length, const void *buffer, uint32_t max)
@@ -49,7 +50,7 @@ static bool border_home(const muster_Entry *e, bool of_a_broker)
 
 bool border_entry(const muster_Entry *e, bool of_a_broker)
 {
-    return registry_kind_word(e->kind) && registry_state_word(e->state) &&
+    return border_kind_word(e->kind) && border_state_word(e->state) &&
            (unsigned)e->full <= muster_BOX_DROP_LOWEST && border_home(e, of_a_broker);
 }
 
@@ -78,14 +79,14 @@ bool border_roster(const muster_Roster *r)
 
 static bool border_act(const muster_Act *act)
 {
-    return border_string(act->agent, MU_NAME_MAX) && registry_state_word(act->state) &&
+    return border_string(act->agent, MU_NAME_MAX) && border_state_word(act->state) &&
            border_sequence(act->mails._length, act->mails._buffer, MU_OUTBOX_MAX);
 }
 
 static bool border_trip(const muster_Trip *t)
 {
     return border_string(t->agent, MU_NAME_MAX) && border_string(t->host, MU_NAME_MAX) &&
-           border_string(t->asker, MU_NAME_MAX) && registry_state_word(t->state) &&
+           border_string(t->asker, MU_NAME_MAX) && border_state_word(t->state) &&
            border_string(t->reason, MU_FIELD_MAX) && border_string(t->text, MU_CAPSULE_MAX - 1) &&
            t->slot < MU_LOCAL_AGENTS_MAX;
 }
@@ -138,4 +139,29 @@ bool border_mail(const muster_Mail *m)
            border_string(m->in_reply_to, MU_FIELD_MAX) &&
            border_string(m->conversation, MU_FIELD_MAX) && m->priority >= -1 && m->priority <= 1 &&
            (unsigned)m->level <= muster_LEVEL_SYNCED && border_string(m->content, MU_CONTENT_MAX);
+}
+
+bool border_process_name(const char *name)
+{
+    size_t len = 0;
+    while (len <= MU_PROCESS_MAX && name[len] != '\0') {
+        char c = name[len];
+        if (c <= ' ' || c > '~' || c == '*' || c == '?') { /* wildcards of DDS partitions */
+            return false;
+        }
+        len++;
+    }
+    return len >= 1 && len <= MU_PROCESS_MAX;
+}
+
+const char *border_kind_word(muster_Kind kind)
+{
+    static const char *const words[] = {"agent", "robot", "host", "special"};
+    return (unsigned)kind < sizeof words / sizeof words[0] ? words[kind] : NULL;
+}
+
+const char *border_state_word(muster_State state)
+{
+    static const char *const words[] = {"standby", "running", "suspended", "moving", "absent"};
+    return (unsigned)state < sizeof words / sizeof words[0] ? words[state] : NULL;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/base/boxroom.h"
+#include "broker/base/base.h"
 
 /* What is within a sender's share of a large box, however full it is.  A small one holds as many
  * mails of a lone sender as it says; of its bytes, a part is within anybody's share. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/base/events.h"
+#include "broker/base/base.h"
 
 #include "muster/memory.h"
 #include "muster/result.h"

@@ -1,5 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/base/runclock.h"
+#include "broker/base/base.h"
+
+#include "broker/control/parts.h"
+#include "core/name.h"
+#include "core/text.h"
+
+#include <string.h>
 
 void runclock_set_now(struct runclock *c, uint64_t now_ns)
 {
@@ -51,4 +57,9 @@ uint64_t runclock_now_of_mail_ns(const struct runclock *c, uint64_t mail_ns)
 uint64_t runclock_now_of_run_ns(const struct runclock *c, uint64_t run_ns)
 {
     return now_of(c, runclock_run_ns(c), run_ns);
+}
+
+uint64_t runclock_wall_ns(const struct broker *b)
+{
+    return b->wall_ns + b->clock.now_ns;
 }

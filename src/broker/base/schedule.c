@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/base/schedule.h"
+#include "broker/base/base.h"
 
-#include "broker/base/share.h"
 #include "muster/memory.h"
 #include "muster/result.h"
 

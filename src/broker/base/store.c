@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/base/store.h"
+#include "broker/base/base.h"
 
+#include "broker/control/parts.h"
 #include "muster/memory.h"
 #include "muster/result.h"
 
@@ -183,4 +184,48 @@ void store_release(struct store *s, struct mail *m)
         s->mails--;
         record_give(s, m);
     }
+}
+
+/* --- across a restart ------------------------------------------------------------------------- */
+
+/* What can be said, or be certain, of a mail that is still in a box. */
+static const struct {
+    const char *word;
+    bool told;
+} standings[] = {
+    [muster_OUTCOME_STORED] = {"stored", false},
+    [muster_OUTCOME_EXPIRED] = {"expired", false},
+    [muster_OUTCOME_DROPPED] = {"dropped", false},
+    [muster_OUTCOME_BOX_FULL] = {"box-full", true},
+    [muster_OUTCOME_UNKNOWN_NAME] = {"unknown-name", true},
+    [muster_OUTCOME_REFUSED] = {"refused", true},
+};
+
+enum { STANDINGS = sizeof standings / sizeof standings[0] };
+
+const char *store_mail_standing(const struct mail *m)
+{
+    muster_Outcome is = m->dropped     ? muster_OUTCOME_DROPPED
+                        : m->expired   ? muster_OUTCOME_EXPIRED
+                        : m->passed_on ? muster_OUTCOME_STORED
+                                       : muster_OUTCOME_DELIVERED;
+    const char *word = standings[m->answered ? m->answer : is].word;
+    return word ? word : "";
+}
+
+bool store_mail_go_on(struct mail *m, const char *word)
+{
+    unsigned is = 0;
+    while (is < STANDINGS && (!standings[is].word || strcmp(standings[is].word, word) != 0)) {
+        is++;
+    }
+    if (is == STANDINGS) {
+        return false;
+    }
+    m->answered = standings[is].told;
+    m->answer = (uint8_t)is;
+    m->dropped = is == muster_OUTCOME_DROPPED;
+    m->expired = is == muster_OUTCOME_EXPIRED;
+    m->passed_on = is == muster_OUTCOME_STORED;
+    return true;
 }

@@ -1,16 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/control/broker.h"
 
-#include "broker/base/border.h"
-#include "broker/base/sample.h"
+#include "broker/control/broker.h"
 #include "broker/control/parts.h"
-#include "broker/mail/outcome.h"
-#include "broker/mail/posting.h"
-#include "broker/membership/announce.h"
-#include "broker/membership/presence.h"
-#include "broker/membership/relay.h"
-#include "broker/services/admission.h"
-#include "broker/services/router.h"
+#include "broker/control/step.h"
+#include "broker/membership/membership.h"
 #include "core/text.h"
 #include "muster/memory.h"
 
@@ -60,19 +54,19 @@ struct broker *broker_open(const struct broker_options *options)
     events_init(&b->events, REGISTRY_MAX);
     pacer_init(&b->pacer, REGISTRY_MAX);
     receipts_init(&b->receipts, REGISTRY_MAX);
-    lockstep_init(&b->lockstep, REGISTRY_MAX);
+    barrier_init(&b->lockstep, REGISTRY_MAX);
     courier_init(&b->courier);
-    depot_init(&b->depot);
+    snapshots_init(&b->depot);
     glances_init(&b->glances);
-    pages_init(&b->pages);
+    view_init(&b->pages);
     resolve_init(&b->resolve, REGISTRY_MAX);
     trust_init(&b->trust);
-    pages_trust_attach(b);
+    guard_attach(b);
     audit_init(&b->audit, options->audit);
     courier_set_interval(b, options->delivery_interval_ns);
-    liaison_init(&b->liaison);
+    remote_init(&b->liaison);
     journal_init(&b->journal, options->has_store);
-    pages_journal_attach(b);
+    notify_attach_journal(b);
     b->mailbox.base = options->number_base;
     broker_enlist(b, options);
     return b;
@@ -90,10 +84,10 @@ void broker_registration(struct broker *b, const muster_Registration *r, uint64_
     broker_enter(b, now_ns);
     if (!border_registration(r)) {
         b->counters.malformed++;
-    } else if (r->is_broker || liaison_is_broker(r->process)) {
-        liaison_hear(b, r);
+    } else if (r->is_broker || remote_is_broker(r->process)) {
+        federation_hear(b, r);
     } else {
-        presence_register(b, r);
+        registration_take(b, r);
     }
 }
 
@@ -104,9 +98,9 @@ void broker_gone(struct broker *b, const char *process, uint32_t part, bool cras
     uint32_t place =
         border_string(process, MU_PROCESS_MAX) ? places_find(&b->places, process) : MU_NONE;
     if (place != MU_NONE && b->places.at[place].is_broker) {
-        liaison_lose(b, place);
+        federation_lose(b, place);
     } else if (place != MU_NONE) {
-        presence_gone(b, place, part, crashed);
+        registration_gone(b, place, part, crashed);
     }
 }
 
@@ -118,13 +112,13 @@ static void place_matched(struct broker *b, uint32_t place)
     if (at->rostered || at->simulator) {
         at->step_due = true;
     }
-    presence_tell_again(b, place);
+    lifecycle_tell_again(b, place);
 }
 
 void broker_matched(struct broker *b, const char *process, bool matched, uint64_t now_ns)
 {
     broker_enter(b, now_ns);
-    if (!border_string(process, MU_PROCESS_MAX) || !places_name_valid(process)) {
+    if (!border_string(process, MU_PROCESS_MAX) || !border_process_name(process)) {
         return;
     }
     uint32_t place = matched ? places_get(&b->places, process) : places_find(&b->places, process);
@@ -150,7 +144,7 @@ void broker_read_anew(struct broker *b, const char *process)
 {
     uint32_t place = places_find(&b->places, process);
     if (place != MU_NONE && b->places.at[place].is_broker && b->places.at[place].matched) {
-        presence_tell_again(b, place);
+        lifecycle_tell_again(b, place);
     }
 }
 
@@ -171,7 +165,7 @@ void broker_roster(struct broker *b, const muster_Roster *roster, uint64_t now_n
 {
     broker_enter(b, now_ns);
     if (border_roster(roster)) {
-        lockstep_set_roster(b, roster);
+        step_set_roster(b, roster);
     } else {
         b->counters.malformed++;
     }
@@ -198,15 +192,15 @@ static void mail_take(struct broker *b, uint32_t sender, const muster_Mail *lett
         return;
     }
     if (effect == EFFECT_REPLAY && posting_is_held(b, m)) {
-        lockstep_keep_replay(b, m);
+        step_keep_replay(b, m);
         return;
     }
     bool outside = effect == EFFECT_STEP_AS_OUTSIDE ||
                    (effect != EFFECT_STEP && b->lockstep.on && router_meets_lockstep(b, m));
     if (effect != EFFECT_STEP && !outside) {
         (void)router_route(b, m);
-    } else if (!lockstep_keep(b, m, outside)) {
-        router_turn_away(b, m);
+    } else if (!barrier_keep(b, m, outside)) {
+        settle_turn_away(b, m);
     }
 }
 
@@ -233,12 +227,12 @@ static void act_take(struct broker *b, uint32_t place, const muster_Act *act, en
         return;
     }
     if (effect == EFFECT_STEP) {
-        lockstep_keep_state(&b->lockstep, agent, act->state);
-        depot_answered(b, agent, place);
+        barrier_keep_state(&b->lockstep, agent, act->state);
+        snapshots_heard(b, agent, place);
     } else if (act->replays) {
         effect = EFFECT_REPLAY;
     }
-    if (effect == EFFECT_STEP && !presence_in_lockstep(b, agent)) {
+    if (effect == EFFECT_STEP && !names_in_lockstep(b, agent)) {
         effect = EFFECT_NOW; /* it speaks in its turn, but from outside */
     }
     if (act->mails._length > 0) {
@@ -259,11 +253,11 @@ static void ack_take(struct broker *b, uint32_t place, const muster_Ack *ack)
         b->counters.malformed += !b->places.at[place].is_broker;
         return;
     }
-    depot_answered(b, agent, place);
+    snapshots_heard(b, agent, place);
     if (b->places.at[place].rostered) {
-        lockstep_keep_ack(&b->lockstep, agent, ack->number);
+        barrier_keep_ack(&b->lockstep, agent, ack->number);
     } else {
-        router_acknowledge(b, agent, ack->number);
+        settle_acknowledge(b, agent, ack->number);
     }
 }
 
@@ -288,31 +282,31 @@ void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
         border_string(up->process, MU_PROCESS_MAX) ? places_find(&b->places, up->process) : MU_NONE;
     if (!good || place == MU_NONE) {
         b->counters.malformed++;
-        if (place != MU_NONE && lockstep_wants(b, place, up->step)) {
-            lockstep_answered(b, place); /* the others need not wait for a better answer */
+        if (place != MU_NONE && barrier_wants(b, place, up->step)) {
+            step_answered(b, place); /* the others need not wait for a better answer */
         }
         return;
     }
     enum up_effect effect = EFFECT_NOW;
     if (b->places.at[place].rostered) {
-        if (up->step != muster_STEP_NOW && !lockstep_wants(b, place, up->step)) {
+        if (up->step != muster_STEP_NOW && !barrier_wants(b, place, up->step)) {
             return;
         }
         effect = up->step == muster_STEP_NOW ? EFFECT_STEP_AS_OUTSIDE : EFFECT_STEP;
     }
-    lockstep_open_turn(&b->lockstep);
+    barrier_open_turn(&b->lockstep);
     acks_take(b, place, up);
     for (uint32_t i = 0; i < up->acts._length && !b->places.at[place].is_broker; i++) {
         act_take(b, place, &up->acts._buffer[i], effect);
     }
     for (uint32_t i = 0; i < up->trips._length; i++) {
-        depot_hear(b, place, &up->trips._buffer[i], effect == EFFECT_STEP);
+        transfer_hear(b, place, &up->trips._buffer[i], effect == EFFECT_STEP);
     }
     for (uint32_t i = 0; i < up->glances._length; i++) {
         glances_hear(b, place, &up->glances._buffer[i]);
     }
     if (effect == EFFECT_STEP) {
-        lockstep_answered(b, place);
+        step_answered(b, place);
     }
 }
 
@@ -369,7 +363,7 @@ static void resend_tick(struct broker *b)
     while (resend_deadline_ns(b) <= b->clock.now_ns) {
         uint32_t agent = b->mailbox.watch_head;
         mailbox_repeat(&b->mailbox, agent);
-        presence_tell_number(b, agent); /* what said so may be what was lost */
+        names_tell_number(b, agent); /* what said so may be what was lost */
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
         tenants_wake(&b->registry, &b->places, agent);
     }
@@ -378,19 +372,19 @@ static void resend_tick(struct broker *b)
 void broker_tick(struct broker *b, uint64_t now_ns)
 {
     broker_enter(b, now_ns);
-    presence_tick(b);
+    lifecycle_tick(b);
     resend_tick(b);
     outcome_tick(b);
     courier_tick(b);
-    depot_tick(b);
-    journal_tick(b);
-    liaison_tick(b);
+    transfer_tick(b);
+    settle_tick(b);
+    lifecycle_tick_routes(b);
     announce_tick(b);
     if (!b->clock.lockstep) {
-        router_expire(b, runclock_mail_ns(&b->clock));
-        pages_expire(b, runclock_mail_ns(&b->clock));
+        settle_expire(b, runclock_mail_ns(&b->clock));
+        notify_expire(b, runclock_mail_ns(&b->clock));
         router_resolve_expire(b, runclock_mail_ns(&b->clock));
-        router_admit_due(b, runclock_run_ns(&b->clock));
+        settle_admit_due(b, runclock_run_ns(&b->clock));
     }
 }
 
@@ -408,7 +402,7 @@ static uint64_t mail_deadline_ns(const struct broker *b)
 {
     const struct mail *expiry = schedule_first(&b->expiry);
     const uint64_t times_ns[] = {expiry ? expiry->at_ns[SCHEDULE_EXPIRY] : UINT64_MAX,
-                                 pages_deadline_mail_ns(b), resolve_deadline_mail_ns(b)};
+                                 view_deadline_mail_ns(b), resolve_deadline_mail_ns(b)};
     uint64_t first_ns = earliest_ns(times_ns, sizeof times_ns / sizeof times_ns[0]);
     return first_ns != UINT64_MAX ? runclock_now_of_mail_ns(&b->clock, first_ns) : UINT64_MAX;
 }
@@ -424,13 +418,13 @@ static uint64_t due_deadline_ns(const struct broker *b)
 uint64_t broker_deadline_ns(const struct broker *b)
 {
     bool by_steps = b->clock.lockstep; /* then the end of a step does it */
-    const uint64_t times_ns[] = {presence_deadline_ns(b),
+    const uint64_t times_ns[] = {lifecycle_deadline_ns(b),
                                  resend_deadline_ns(b),
                                  courier_deadline_ns(b),
-                                 depot_deadline_ns(b),
+                                 snapshots_deadline_ns(b),
                                  pacer_deadline_ns(&b->pacer),
-                                 journal_deadline_ns(b),
-                                 liaison_deadline_ns(b),
+                                 settle_deadline_ns(b),
+                                 remote_deadline_ns(b),
                                  announce_deadline_ns(b),
                                  by_steps ? UINT64_MAX : mail_deadline_ns(b),
                                  by_steps ? UINT64_MAX : due_deadline_ns(b)};
@@ -546,8 +540,8 @@ static void line_write(const struct broker *b, uint32_t agent, char to[BROKER_LI
     struct mu_text t;
     registry_line(&b->registry, agent, b->name, &m);
     mu_text_init(&t, to, BROKER_LINE_MAX);
-    mu_text_format(&t, "%s %s %s %s %s %s %lu %llu%s%s", m.name, registry_kind_word(m.kind),
-                   registry_state_word(m.state), m.broker, m.process[0] ? m.process : "-",
+    mu_text_format(&t, "%s %s %s %s %s %s %lu %llu%s%s", m.name, border_kind_word(m.kind),
+                   border_state_word(m.state), m.broker, m.process[0] ? m.process : "-",
                    m.host[0] ? m.host : "-", (unsigned long)m.pid,
                    (unsigned long long)m.since_wall_ns, m.reason[0] ? " " : "", m.reason);
 }
@@ -593,7 +587,7 @@ bool broker_event_next(struct broker *b, muster_BrokerEvent *out)
 
 uint32_t broker_samples_wanted(const struct broker *b)
 {
-    return b->glances.count > 0 ? 1 : lockstep_missing(&b->lockstep);
+    return b->glances.count > 0 ? 1 : barrier_missing(&b->lockstep);
 }
 
 bool broker_in_lockstep(const struct broker *b)

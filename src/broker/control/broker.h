@@ -12,7 +12,7 @@
 #ifndef MUSTER_BROKER_BROKER_H
 #define MUSTER_BROKER_BROKER_H
 
-#include "broker/directory/audit.h"
+#include "broker/directory/directory.h"
 #include "core/fault.h"
 #include "muster/limits.h"
 #include "muster/result.h"
@@ -22,6 +22,7 @@
 #include <stdint.h>
 
 struct broker;
+struct journal_entry;
 
 struct broker_options {
     const char *name;     /* of this broker, for the white pages */
@@ -178,5 +179,20 @@ bool broker_in_lockstep(const struct broker *b);
 
 /** When broker_tick is needed next, in broker time; UINT64_MAX: not before something happens. */
 uint64_t broker_deadline_ns(const struct broker *b);
+
+/* --- for the disk: see journal_wanted in mail.h ------------------------------------------------
+ */
+
+/** All that journal_next gave since journal_wanted is on disk, or nothing of it is. */
+void durable_committed(struct broker *b, bool ok, uint64_t now_ns);
+
+/**
+ * Takes in what an earlier life has left: names, then lines, clock and mails in order of row, and
+ * before anything else happens.
+ *
+ * @return false: it is malformed, or there is no room; a mail stays on disk, a line until the lines
+ *         of its kind are written again
+ */
+bool durable_restore(struct broker *b, const struct journal_entry *entry);
 
 #endif

@@ -1,68 +1,30 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file parts.h
- * How the parts of the broker hang together.
+ * The broker as one struct of all floors.  A floor calls itself and the floors below it:
  *
- *   presence   registrations: names come, are claimed, and go registry, places, tenants,
- *                                                             claims
- *   admission  a mail comes in from the wire, once            border, journal, store
- *   router     a mail's way, and its end                      audience, guard, resolve,
- *                                                             posting, outcome
- *   audience   whom a mail is for                             registry, groups
- *   posting    a mail goes into boxes                         mailbox, boxroom, booking,
- *                                                             desk, schedule
- *   booking    a mail goes on its sender's account            share, events
- *   outcome    what becomes of a mail, and who is told        receipts, pacer, booking,
- *                                                             journal
- *   resolve    mail to SCHEME:REST waits while one is asked   pages, query, router
- *   guard      whose directives go on to whom                 trust, audit
- *   desk       mail to the broker itself and its parts        directive, query, resolve,
- *                                                             counters
- *   lockstep   collects a step's mail; lets it take effect    router, presence, pages
- *   pages      groups, services, standing queries             groups, services, query
- *   courier    what is ready for a process, as one Delivery   mailbox, receipts, tenants,
- *                                                             pages
- *   circular   the same mail for many processes at once      mailbox, places, pages
- *   floods     who gets much mail at once, while others     places
- *              have some under way, gets it in small pieces
- *   liaison    the other brokers: who lives beyond which;     presence, router, pages
- *              announce says who is known here, relay takes
- *              their mail
- *   depot      agents on their way: their capsules, and      presence, lockstep
- *              who is told what
- *   glances    lines that only look, beside all mail          guard, places
- *   journal    what must be on disk before anybody is told    registry, store, router
+ *   node        the process: DDS, the store, files
+ *   control     the pure broker from outside; the end of a step; what the disk answers
+ *   membership  names come, move and go; the other brokers
+ *   services    what the broker answers by mail, who is told of changes, the way of one mail
+ *   delivery    what is ready for a process, as one Delivery
+ *   mail        receivers, quota, boxes, outcomes; snapshots and probes; the journal
+ *   directory   groups, services, standing queries; the trust policy and its audit log
+ *   lockstep    the barrier
+ *   names       who bears a name, in which process, beyond which broker
+ *   base        time, versions, limits, the rules of the wire, the pool of mails, boxes
  */
 #ifndef MUSTER_BROKER_PARTS_H
 #define MUSTER_BROKER_PARTS_H
 
-#include "broker/base/ages.h"
-#include "broker/base/events.h"
-#include "broker/base/mailbox.h"
-#include "broker/base/pacer.h"
-#include "broker/base/receipts.h"
-#include "broker/base/runclock.h"
-#include "broker/base/schedule.h"
-#include "broker/base/share.h"
-#include "broker/base/store.h"
+#include "broker/base/base.h"
 #include "broker/control/broker.h"
-#include "broker/control/lockstep.h"
-#include "broker/directory/audit.h"
-#include "broker/directory/trust.h"
-#include "broker/mail/circular.h"
-#include "broker/mail/courier.h"
-#include "broker/mail/floods.h"
-#include "broker/mail/glances.h"
-#include "broker/mail/journal.h"
-#include "broker/mail/resolve.h"
-#include "broker/membership/depot.h"
-#include "broker/membership/liaison.h"
-#include "broker/names/claims.h"
-#include "broker/names/places.h"
-#include "broker/names/registry.h"
-#include "broker/names/tenants.h"
-#include "broker/services/counters.h"
-#include "broker/services/pages.h"
+#include "broker/delivery/delivery.h"
+#include "broker/directory/directory.h"
+#include "broker/lockstep/lockstep.h"
+#include "broker/mail/mail.h"
+#include "broker/names/names.h"
+#include "broker/services/services.h"
 
 /* A line of the white pages as text, in bytes. */
 enum { BROKER_LINE_MAX = 384 };

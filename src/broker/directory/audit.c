@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/directory/audit.h"
+#include "broker/directory/directory.h"
 
 #include "core/json.h"
 #include "core/text.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/directory/guard.h"
+/* What a trust policy asks of groups and services. */
+#include "broker/directory/directory.h"
 
 #include "broker/control/parts.h"
-#include "broker/membership/presence.h"
 #include "core/text.h"
 
 static struct audit_record *record_of(struct broker *b, uint32_t sender, const char *performative,
@@ -12,7 +12,7 @@ static struct audit_record *record_of(struct broker *b, uint32_t sender, const c
     if (r) {
         r->allowed = allowed;
         r->simulated = b->clock.lockstep;
-        r->time_ns = r->simulated ? runclock_run_ns(&b->clock) : presence_wall_ns(b);
+        r->time_ns = r->simulated ? runclock_run_ns(&b->clock) : runclock_wall_ns(b);
         (void)mu_text_copy(r->sender, sizeof r->sender, b->registry.agents[sender].name);
         (void)mu_text_copy(r->process, sizeof r->process, b->registry.agents[sender].place);
         (void)mu_text_copy(r->performative, sizeof r->performative, performative);
@@ -29,7 +29,7 @@ static struct audit_record *record_begin(struct broker *b, const struct mail *m,
 /* The sender, and what of the pages is asked in its matter. */
 static struct trust_agent who_asks(struct broker *b, const struct mail *m)
 {
-    b->pages.asked_inside = pages_inside(b, m->sender);
+    b->pages.asked_inside = view_inside(b, m->sender);
     return (struct trust_agent){m->letter.src, b->registry.agents[m->sender].is.kind};
 }
 
@@ -76,7 +76,7 @@ bool guard_glances(struct broker *b, uint32_t asker, uint32_t agent, const char 
 {
     const struct agent *a = &b->registry.agents[asker], *at = &b->registry.agents[agent];
     struct trust_agent who = {a->name, a->is.kind}, whom = {at->name, at->is.kind};
-    b->pages.asked_inside = pages_inside(b, asker);
+    b->pages.asked_inside = view_inside(b, asker);
     if (!trust_allows(&b->trust, &who, &whom)) {
         return false;
     }
@@ -113,4 +113,49 @@ uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, ui
     b->counters.directed += numbers[true];
     b->counters.refused += numbers[false];
     return numbers[false];
+}
+
+/* Whoever is in a lock step is seen as those inside see it, and so is everybody by them. */
+static bool is_asked_inside(const struct broker *b, uint32_t agent)
+{
+    return b->pages.asked_inside || view_inside(b, agent);
+}
+
+static bool in_group(void *self, const char *group, const char *name)
+{
+    const struct broker *b = self;
+    uint32_t agent = registry_find(&b->registry, name);
+    return agent != MU_NONE && groups_has(&b->pages.groups, group, name, is_asked_inside(b, agent));
+}
+
+/* An agent has the role R while it is shown with a service that has the attribute role=R. */
+static bool has_role(void *self, const char *role, const char *name)
+{
+    const struct broker *b = self;
+    const struct services *s = &b->pages.services;
+    char text[sizeof "* role=" + MU_NAME_MAX];
+    struct mu_text t;
+    struct mu_query query;
+    uint32_t agent = registry_find(&b->registry, name);
+    mu_text_init(&t, text, sizeof text);
+    mu_text_format(&t, "* role=%s", role);
+    if (agent == MU_NONE || mu_attributes_query(&query, text) != MU_OK) {
+        return false;
+    }
+    bool inside = is_asked_inside(b, agent);
+    uint32_t place = mu_pairs_start(&s->by_agent, name), turned;
+    while ((turned = mu_pairs_of(&s->by_agent, place++, name)) != MU_NONE) {
+        uint32_t line = s->line_of[turned];
+        if (view_shows(b, line, inside) &&
+            mu_attributes_match(&query, mu_pairs_first(&s->pairs, line),
+                                s->lines[line].attributes)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void guard_attach(struct broker *b)
+{
+    b->trust.pages = (struct trust_pages){.self = b, .in_group = in_group, .has_role = has_role};
 }

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/directory/services.h"
+#include "broker/directory/directory.h"
 
-#include "broker/base/sample.h"
-#include "broker/directory/subscriptions.h"
 #include "core/attributes.h"
 #include "core/name.h"
 #include "core/text.h"

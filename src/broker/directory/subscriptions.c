@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/directory/subscriptions.h"
+#include "broker/directory/directory.h"
 
 #include "core/table.h"
 #include "core/text.h"

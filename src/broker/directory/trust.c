@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/directory/trust.h"
+#include "broker/directory/directory.h"
 
 #include "core/name.h"
 #include "core/text.h"

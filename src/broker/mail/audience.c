@@ -1,18 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/mail/audience.h"
+#include "broker/mail/mail.h"
 
 #include "broker/control/parts.h"
-#include "broker/membership/presence.h"
-#include "broker/services/query.h"
 #include "core/address.h"
 #include "core/fields.h"
+#include "core/name.h"
 
 #include <string.h>
 
 bool audience_veils(const struct broker *b, const struct mail *m, uint32_t agent)
 {
-    return !registry_is_own(agent) && presence_in_lockstep(b, m->sender) &&
-           !presence_in_lockstep(b, agent);
+    return !registry_is_own(agent) && names_in_lockstep(b, m->sender) &&
+           !names_in_lockstep(b, agent);
 }
 
 void audience_unveil(const struct broker *b, const struct mail *m, struct audience *to)
@@ -31,7 +30,7 @@ void audience_unveil(const struct broker *b, const struct mail *m, struct audien
 /* Who is in the lock step does not see the broker's parts. */
 static bool is_hidden(const struct broker *b, uint32_t agent, uint32_t sender)
 {
-    return agent != REGISTRY_BROKER && registry_is_own(agent) && presence_in_lockstep(b, sender);
+    return agent != REGISTRY_BROKER && registry_is_own(agent) && names_in_lockstep(b, sender);
 }
 
 void audience_of_names(struct broker *b, const char *names, uint32_t sender, struct audience *to)
@@ -60,7 +59,7 @@ void audience_of_answer(struct broker *b, const char *names, uint32_t sender, st
     while (mu_fields_next(&names, &read) || read.cut) {
         uint32_t agent = read.cut ? MU_NONE : registry_find(&b->registry, name);
         if (agent != MU_NONE && agent != sender && !registry_is_own(agent) &&
-            b->registry.agents[agent].mark != mark && (open || !presence_in_lockstep(b, agent))) {
+            b->registry.agents[agent].mark != mark && (open || !names_in_lockstep(b, agent))) {
             b->registry.agents[agent].mark = mark;
             to->agents[to->count++] = agent;
         }
@@ -78,7 +77,7 @@ static void audience_of_members(struct broker *b, const char *group, bool inside
     uint32_t place = 0;
     for (const char *name; (name = groups_member(&b->pages.groups, group, inside, &place));) {
         uint32_t agent = registry_find(&b->registry, name);
-        if (agent != MU_NONE && agent != sender && pages_inside(b, agent) == inside) {
+        if (agent != MU_NONE && agent != sender && view_inside(b, agent) == inside) {
             to->agents[to->count++] = agent;
         }
     }
@@ -89,7 +88,7 @@ static void audience_of_members(struct broker *b, const char *group, bool inside
 static void audience_of_group(struct broker *b, const char *group, uint32_t sender,
                               struct audience *to)
 {
-    if (!groups_exists(&b->pages.groups, group, pages_inside(b, sender))) {
+    if (!groups_exists(&b->pages.groups, group, view_inside(b, sender))) {
         to->unknown++;
         return;
     }
@@ -111,7 +110,7 @@ static bool kind_is_addressed(enum mu_address_kind kind, muster_Kind of)
  * the wall clock. */
 static bool is_too_far(const struct broker *b, uint32_t agent, uint32_t sender)
 {
-    return presence_is_beyond(b, agent) && presence_in_lockstep(b, sender);
+    return names_is_beyond(b, agent) && names_in_lockstep(b, sender);
 }
 
 void audience_of_letter(struct broker *b, const muster_Mail *letter, uint32_t sender,
@@ -128,7 +127,7 @@ void audience_of_letter(struct broker *b, const muster_Mail *letter, uint32_t se
         return;
     }
     if (kind == MU_ADDRESS_SCHEME) {
-        to->unknown += !resolve_is_possible(b, letter->dst);
+        to->unknown += !view_has_resolver(b, letter->dst);
         return;
     }
     for (uint32_t i = 0; i < b->registry.count; i++) {
@@ -148,9 +147,9 @@ void audience_of_letter(struct broker *b, const muster_Mail *letter, uint32_t se
  * @return who gets it */
 static uint32_t desk_of(const struct broker *b, const struct mail *m)
 {
-    uint32_t agent = query_named(b, m);
-    bool is_elsewhere = agent != MU_NONE && agent != m->sender && presence_is_beyond(b, agent) &&
-                        !pages_inside(b, m->sender);
+    uint32_t agent = audience_named(b, m);
+    bool is_elsewhere = agent != MU_NONE && agent != m->sender && names_is_beyond(b, agent) &&
+                        !view_inside(b, m->sender);
     return is_elsewhere ? agent : REGISTRY_BROKER;
 }
 
@@ -164,4 +163,58 @@ void audience_of_mail(struct broker *b, const struct mail *m, struct audience *t
     to->unknown = to->refused = 0;
     to->count = 1;
     to->agents[0] = is_question ? desk_of(b, m) : m->only;
+}
+
+/* The verbs of questions and changes. */
+static const struct {
+    const char *performative;
+    unsigned names; /* which of its fields, from 1, names an agent whom it changes; 0: none */
+} verbs[QUERY_VERBS] = {
+    [QUERY_LOOKUP] = {"lookup", 0},
+    [QUERY_LISTING] = {"listing", 0},
+    [QUERY_GROUPS] = {"groups", 0},
+    [QUERY_MEMBERS] = {"members", 0},
+    [QUERY_GROUP_CREATE] = {"group-create", 0},
+    [QUERY_GROUP_JOIN] = {"group-join", 2},
+    [QUERY_GROUP_LEAVE] = {"group-leave", 2},
+    [QUERY_ADVERTISE] = {"advertise", 4},
+    [QUERY_WITHDRAW] = {"withdraw", 2},
+    [QUERY_FIND_SERVICE] = {"find-service", 0},
+    [QUERY_SUBSCRIBE] = {"subscribe", 0},
+    [QUERY_UNSUBSCRIBE] = {"unsubscribe", 0},
+};
+
+enum audience_verb audience_verb(const struct mail *question)
+{
+    enum audience_verb verb = 0;
+    while (verb < QUERY_VERBS &&
+           (question->letter.layer != 2 ||
+            strcmp(question->letter.performative, verbs[verb].performative) != 0)) {
+        verb++;
+    }
+    return verb;
+}
+
+uint32_t audience_named(const struct broker *b, const struct mail *question)
+{
+    enum audience_verb verb = audience_verb(question);
+    unsigned names = verb < QUERY_VERBS ? verbs[verb].names : 0;
+    const char *content = question->letter.content;
+    char name[MU_NAME_MAX + 1];
+    struct mu_text read;
+    bool whole = false;
+    mu_text_init(&read, name, sizeof name);
+    for (unsigned i = 0; i < names; i++) {
+        whole = mu_fields_next(&content, &read);
+        if (!whole && !read.cut) {
+            return MU_NONE;
+        }
+    }
+    return whole ? registry_find(&b->registry, name) : MU_NONE;
+}
+
+bool audience_has_member_change(const struct broker *b, const struct mail *question)
+{
+    uint32_t agent = audience_named(b, question);
+    return agent != MU_NONE && view_inside(b, agent);
 }

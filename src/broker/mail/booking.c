@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/mail/booking.h"
+#include "broker/mail/mail.h"
 
 #include "broker/control/parts.h"
-#include "broker/membership/presence.h"
 
 void booking_event(struct broker *b, enum event_kind kind, uint32_t agent, uint32_t sender)
 {
@@ -35,7 +34,7 @@ static bool account_take(struct broker *b, struct mail *m, enum share_side side,
 
 bool booking_take(struct broker *b, struct mail *m, uint32_t posts)
 {
-    m->side = presence_in_lockstep(b, m->payer) ? SHARE_LOCKSTEP : SHARE_OUTSIDE;
+    m->side = names_in_lockstep(b, m->payer) ? SHARE_LOCKSTEP : SHARE_OUTSIDE;
     return account_take(b, m, (enum share_side)m->side, posts, &m->booked);
 }
 

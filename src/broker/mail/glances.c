@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/mail/glances.h"
+#include "broker/mail/mail.h"
 
-#include "broker/base/sample.h"
 #include "broker/control/parts.h"
-#include "broker/directory/guard.h"
 #include "muster/memory.h"
 
 #include <string.h>

@@ -1,19 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/mail/journal.h"
+#include "broker/mail/mail.h"
 
 #include "broker/control/parts.h"
-#include "broker/mail/outcome.h"
-#include "broker/membership/presence.h"
-#include "broker/services/router.h"
 #include "core/hash.h"
 #include "core/text.h"
 #include "muster/memory.h"
-
-static const uint64_t RETRY_NS = 1000000000;
-
-/* So long the broker keeps receipts for senders of an earlier life of it, and for those who have
- * fallen silent: they may come back. */
-static const uint64_t AWAIT_NS = 10000000000;
 
 enum { BUCKETS_RUN = 64 };
 
@@ -30,45 +21,6 @@ void journal_init(struct journal *j, bool on)
 bool journal_takes(const struct broker *b)
 {
     return b->journal.on && !b->journal.failing;
-}
-
-uint64_t journal_deadline_ns(const struct broker *b)
-{
-    uint64_t retry_ns = b->journal.failing ? b->journal.retry_ns : UINT64_MAX;
-    return b->journal.awaits && b->journal.awaits_ns < retry_ns ? b->journal.awaits_ns : retry_ns;
-}
-
-static void await_until(struct journal *j, uint64_t until_ns)
-{
-    j->awaits_ns = j->awaits && j->awaits_ns < until_ns ? j->awaits_ns : until_ns;
-    j->awaits = true;
-}
-
-void journal_await(struct broker *b, uint32_t agent)
-{
-    b->registry.agents[agent].awaited = true;
-    if (b->clock.now_ns <= UINT64_MAX - AWAIT_NS) {
-        await_until(&b->journal, b->clock.now_ns + AWAIT_NS);
-    }
-}
-
-void journal_tick(struct broker *b)
-{
-    if (!b->journal.awaits || b->clock.now_ns < b->journal.awaits_ns) {
-        return;
-    }
-    b->journal.awaits = false;
-    uint64_t wall_ns = presence_wall_ns(b);
-    for (uint32_t i = 0; i < b->registry.count; i++) {
-        struct agent *a = &b->registry.agents[i];
-        uint64_t absent_ns = wall_ns - a->since_wall_ns;
-        if (a->awaited && absent_ns < AWAIT_NS) {
-            await_until(&b->journal, b->clock.now_ns + (AWAIT_NS - absent_ns));
-        } else if (a->awaited) {
-            a->awaited = false;
-            receipts_drop(&b->receipts, i, receipts_of(&b->receipts, i)->count);
-        }
-    }
 }
 
 /* --- durable mails by their names ------------------------------------------------------------- */
@@ -96,7 +48,7 @@ void journal_enter(struct journal *j, struct mail *m)
     *bucket = m;
 }
 
-static void name_remove(struct journal *j, struct mail *m)
+void journal_remove(struct journal *j, struct mail *m)
 {
     struct mail **at = bucket_of(j, m->sender, m->letter.seq);
     while (*at != m) {
@@ -107,7 +59,7 @@ static void name_remove(struct journal *j, struct mail *m)
 
 /* --- marks ------------------------------------------------------------------------------------ */
 
-static void mail_mark(struct journal *j, struct mail *m)
+void journal_mark(struct journal *j, struct mail *m)
 {
     if (m->journal_listed) {
         return;
@@ -140,7 +92,7 @@ static void row_give(struct broker *b, struct mail *m)
     }
     m->row = ++j->rows;
     journal_enter(j, m);
-    mail_mark(j, m);
+    journal_mark(j, m);
 }
 
 /* @return whether it would be lost with this life, and sent again behind what was not */
@@ -230,9 +182,9 @@ void journal_settled(struct broker *b, struct mail *m)
     if (m->row == 0) {
         return;
     }
-    mail_mark(&b->journal, m);
+    journal_mark(&b->journal, m);
     if (m->unsettled == 0) {
-        name_remove(&b->journal, m);
+        journal_remove(&b->journal, m);
     }
 }
 
@@ -277,8 +229,7 @@ void journal_line_changed(struct broker *b, enum journal_lines lines, uint32_t s
 
 /* --- to the disk ------------------------------------------------------------------------------ */
 
-/* When the run that goes on by the wall was at 0; a lock step's time stands still without us. */
-static uint64_t run_wall_ns(const struct broker *b)
+uint64_t journal_run_wall_ns(const struct broker *b)
 {
     bool by_the_wall = b->clock.runs && !b->clock.lockstep;
     return by_the_wall ? b->wall_ns + b->clock.base_ns - b->clock.run_ns : 0;
@@ -287,7 +238,7 @@ static uint64_t run_wall_ns(const struct broker *b)
 static bool something_is_marked(const struct broker *b)
 {
     const struct journal *j = &b->journal;
-    bool marked = j->first || j->agents_count || j->run_wall_ns != run_wall_ns(b);
+    bool marked = j->first || j->agents_count || j->run_wall_ns != journal_run_wall_ns(b);
     for (int i = 0; i < JOURNAL_LINE_KINDS; i++) {
         marked = marked || j->slots[i].count || j->slots[i].reset;
     }
@@ -326,7 +277,7 @@ static const char *waiting_of(struct broker *b, const struct mail *m)
         mu_text_add(&t, t.len ? "," : "");
         mu_text_add(&t, b->registry.agents[b->mailbox.posts[post].agent].name);
     }
-    const char *so_far = outcome_so_far(m);
+    const char *so_far = store_mail_standing(m);
     mu_text_add(&t, so_far[0] ? "/" : "");
     mu_text_add(&t, so_far);
     return t.at;
@@ -338,7 +289,7 @@ static uint64_t expires_wall_ns(const struct broker *b, const struct mail *m)
         return 0;
     }
     uint64_t mail_ns = runclock_mail_ns(&b->clock), at_ns = m->at_ns[SCHEDULE_EXPIRY];
-    uint64_t left_ns = at_ns > mail_ns ? at_ns - mail_ns : 0, wall_ns = presence_wall_ns(b);
+    uint64_t left_ns = at_ns > mail_ns ? at_ns - mail_ns : 0, wall_ns = runclock_wall_ns(b);
     bool fits = wall_ns < INT64_MAX && left_ns < INT64_MAX - wall_ns; /* what SQLite can hold */
     return fits ? wall_ns + left_ns : INT64_MAX;
 }
@@ -420,10 +371,10 @@ static bool next_line(struct broker *b, struct journal_entry *e)
 static bool next_clock(struct broker *b, struct journal_entry *e)
 {
     struct journal *j = &b->journal;
-    bool wanted = !j->at.clock_done && j->run_wall_ns != run_wall_ns(b);
+    bool wanted = !j->at.clock_done && j->run_wall_ns != journal_run_wall_ns(b);
     j->at.clock_done = true;
     e->kind = JOURNAL_CLOCK;
-    e->run_wall_ns = run_wall_ns(b);
+    e->run_wall_ns = journal_run_wall_ns(b);
     return wanted;
 }
 
@@ -447,99 +398,4 @@ bool journal_next(struct broker *b, struct journal_entry *entry)
 {
     return next_agent(b, entry) || next_mail(b, entry) || next_line(b, entry) ||
            next_clock(b, entry) || next_capsule(b, entry);
-}
-
-/* --- and how that went ------------------------------------------------------------------------ */
-
-static void mails_committed(struct broker *b)
-{
-    struct journal *j = &b->journal;
-    struct mail *next = NULL;
-    for (struct mail *m = j->first; m; m = next) {
-        next = m->journal_next;
-        m->journal_listed = false;
-        m->journal_written = true;
-        if (m->unsettled > 0) {
-            router_stored(b, m);
-        }
-        store_release(&b->store, m);
-    }
-    j->first = j->last = NULL;
-}
-
-/* @return whether somebody may have it already: that is not to be undone */
-static bool mail_is_out(const struct broker *b, const struct mail *m)
-{
-    uint32_t post = m->posts;
-    while (post != MU_NONE && b->mailbox.posts[post].list != POST_FLIGHT) {
-        post = b->mailbox.posts[post].sibling_next;
-    }
-    return post != MU_NONE;
-}
-
-/* It needs no disk, until the next durable mail of its sender. */
-static void ram_leave(struct broker *b, struct mail *m)
-{
-    struct agent *a = &b->registry.agents[m->sender];
-    a->ram_behind = true;
-    a->durable_order = 0;
-    m->row = 0;
-}
-
-/* New mails are not taken after all; what is on disk already, or under way, stays marked. */
-static void mails_failed(struct broker *b)
-{
-    struct journal *j = &b->journal;
-    struct mail *m = j->first, *next = NULL;
-    j->first = j->last = NULL;
-    for (; m; m = next) {
-        next = m->journal_next;
-        m->journal_listed = false;
-        if (m->journal_written || mail_is_out(b, m)) {
-            mail_mark(j, m);
-        } else if (m->unsettled > 0) {
-            name_remove(j, m);
-            m->row = 0;
-            m->letter.level == muster_LEVEL_RAM ? ram_leave(b, m) : router_undo(b, m);
-        }
-        store_release(&b->store, m);
-    }
-}
-
-static void marks_clear(struct broker *b)
-{
-    struct journal *j = &b->journal;
-    while (j->agents_count > 0) {
-        b->registry.agents[j->agents[--j->agents_count]].unsaved = false;
-    }
-    for (int i = 0; i < JOURNAL_LINE_KINDS; i++) {
-        struct journal_slots *s = &j->slots[i];
-        s->reset = false;
-        while (s->count > 0) {
-            s->is_marked[s->marked[--s->count]] = false;
-        }
-    }
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
-        b->depot.capsules[i].unsaved = false;
-    }
-    j->run_wall_ns = run_wall_ns(b);
-}
-
-void journal_committed(struct broker *b, bool ok, uint64_t now_ns)
-{
-    struct journal *j = &b->journal;
-    bool failed_before = j->failing;
-    j->failing = !ok;
-    if (ok) {
-        j->commits++;
-        for (uint32_t i = 0; i < b->registry.count && failed_before; i++) {
-            tenants_wake(&b->registry, &b->places, i); /* more may be handed out */
-        }
-        mails_committed(b);
-        marks_clear(b);
-    } else {
-        j->failures++;
-        j->retry_ns = now_ns > UINT64_MAX - RETRY_NS ? UINT64_MAX : now_ns + RETRY_NS;
-        mails_failed(b);
-    }
 }

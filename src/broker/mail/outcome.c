@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/mail/outcome.h"
+#include "broker/mail/mail.h"
 
 #include "broker/control/parts.h"
-#include "broker/mail/booking.h"
-#include "broker/membership/presence.h"
 
 #include <string.h>
 
@@ -11,7 +9,7 @@
 static bool news_can_wait(struct broker *b, uint32_t sender, muster_Outcome result)
 {
     bool bad = result == muster_OUTCOME_BOX_FULL || result == muster_OUTCOME_DROPPED;
-    return bad && !presence_is_paced(b, sender) && pacer_holds(&b->pacer, sender, b->clock.now_ns);
+    return bad && !names_is_paced(b, sender) && pacer_holds(&b->pacer, sender, b->clock.now_ns);
 }
 
 void outcome_tell(struct broker *b, uint32_t sender, uint64_t first_seq, uint64_t last_seq,
@@ -76,50 +74,6 @@ static void answer_settled(struct broker *b, struct mail *m)
     } else {
         outcome_end(b, m, muster_OUTCOME_DELIVERED);
     }
-}
-
-/* --- across a restart ------------------------------------------------------------------------- */
-
-/* What can be said, or be certain, of a mail that is still in a box. */
-static const struct {
-    const char *word;
-    bool told;
-} standings[] = {
-    [muster_OUTCOME_STORED] = {"stored", false},
-    [muster_OUTCOME_EXPIRED] = {"expired", false},
-    [muster_OUTCOME_DROPPED] = {"dropped", false},
-    [muster_OUTCOME_BOX_FULL] = {"box-full", true},
-    [muster_OUTCOME_UNKNOWN_NAME] = {"unknown-name", true},
-    [muster_OUTCOME_REFUSED] = {"refused", true},
-};
-
-enum { STANDINGS = sizeof standings / sizeof standings[0] };
-
-const char *outcome_so_far(const struct mail *m)
-{
-    muster_Outcome is = m->dropped     ? muster_OUTCOME_DROPPED
-                        : m->expired   ? muster_OUTCOME_EXPIRED
-                        : m->passed_on ? muster_OUTCOME_STORED
-                                       : muster_OUTCOME_DELIVERED;
-    const char *word = standings[m->answered ? m->answer : is].word;
-    return word ? word : "";
-}
-
-bool outcome_go_on(struct mail *m, const char *word)
-{
-    unsigned is = 0;
-    while (is < STANDINGS && (!standings[is].word || strcmp(standings[is].word, word) != 0)) {
-        is++;
-    }
-    if (is == STANDINGS) {
-        return false;
-    }
-    m->answered = standings[is].told;
-    m->answer = (uint8_t)is;
-    m->dropped = is == muster_OUTCOME_DROPPED;
-    m->expired = is == muster_OUTCOME_EXPIRED;
-    m->passed_on = is == muster_OUTCOME_STORED;
-    return true;
 }
 
 /* --- one receiver less ------------------------------------------------------------------------ */

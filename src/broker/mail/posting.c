@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/mail/posting.h"
+#include "broker/mail/mail.h"
 
-#include "broker/base/boxroom.h"
 #include "broker/control/parts.h"
-#include "broker/mail/booking.h"
-#include "broker/mail/circular.h"
-#include "broker/mail/outcome.h"
-#include "broker/membership/presence.h"
-#include "broker/services/router.h"
+#include "core/address.h"
+#include "core/sort.h"
+
+#include <string.h>
 
 bool posting_book(struct broker *b, struct mail *m, struct audience *to)
 {
@@ -44,7 +42,7 @@ static bool post_put(struct broker *b, struct mail *m, uint32_t agent, bool held
 {
     uint32_t victim = MU_NONE;
     if (!mailbox_is_begun(&b->mailbox, agent)) {
-        presence_tell_number(b, agent);
+        names_tell_number(b, agent);
     }
     enum boxroom room = boxroom_ask(&b->mailbox, agent, m, &victim);
     for (; room == BOXROOM_DROP; room = boxroom_ask(&b->mailbox, agent, m, &victim)) {
@@ -123,7 +121,7 @@ struct posted posting_put(struct broker *b, struct mail *m, const struct audienc
         if (!post_put(b, m, agent, done.held)) {
             done.fits = done.fits && audience_veils(b, m, agent);
         } else {
-            done.stored = done.stored || router_gate(b, agent) < needs;
+            done.stored = done.stored || names_gate(b, agent) < needs;
         }
     }
     booking_give_back(b, m);
@@ -133,7 +131,7 @@ struct posted posting_put(struct broker *b, struct mail *m, const struct audienc
     } else {
         posting_schedule(b, m, done.held, m->letter.ttl_ns);
         journal_put(b, m);
-        circulars_note(b, m);
+        posting_note_circular(b, m);
     }
     return done;
 }
@@ -143,4 +141,67 @@ void posting_conclude(struct broker *b, struct mail *m, const struct audience *t
 {
     sender_answer(b, m, to, done->fits, done->stored);
     store_release(&b->store, m);
+}
+
+void posting_note_circular(struct broker *b, struct mail *m)
+{
+    struct circulars *c = &b->circulars;
+    bool may = m->letter.level == muster_LEVEL_RAM && m->unsettled >= CIRCULAR_PLACES_MIN &&
+               b->courier.interval_ns == 0 && !names_in_lockstep(b, m->sender);
+    if (may && c->hearers >= CIRCULAR_PLACES_MIN && c->count < CIRCULAR_WAITING) {
+        store_keep(m);
+        c->waiting[c->count++] = m;
+    }
+}
+
+void posting_send(struct broker *b, uint32_t receiver, const muster_Mail *letter)
+{
+    struct audience to;
+    to.count = 1;
+    to.unknown = to.refused = 0;
+    to.agents[0] = receiver;
+    struct mail *m = store_put(&b->store, letter);
+    b->counters.sent++;
+    if (!m) {
+        b->counters.box_full++;
+        booking_event(b, EVENT_BOX_FULL, REGISTRY_BROKER, REGISTRY_BROKER);
+        return;
+    }
+    m->sender = REGISTRY_BROKER;
+    m->payer = receiver; /* who asks much must not use up what answers to others need */
+    m->order = ++b->orders;
+    if (posting_book(b, m, &to)) {
+        struct posted done = posting_put(b, m, &to);
+        posting_conclude(b, m, &to, &done);
+    }
+}
+
+bool posting_restore(struct broker *b, struct mail *m, const char *waiting, uint64_t left_ns)
+{
+    struct audience to = {.count = 0};
+    audience_of_names(b, waiting, m->sender, &to);
+    m->order = ++b->orders;
+    bool held = posting_is_held(b, m);
+    b->counters.sent += to.count;
+    /* It had its room: its sender's share, and the limits of boxes, do not take that. */
+    if (to.count == 0 || !booking_restore(b, m, to.count)) {
+        b->counters.box_full += to.count;
+        store_release(&b->store, m);
+        return false;
+    }
+    for (uint32_t i = 0; i < to.count; i++) {
+        if (mailbox_put(&b->mailbox, to.agents[i], m, held) == MU_OK) {
+            b->counters.waiting++;
+            m->unsettled++;
+        } else {
+            b->counters.box_full++;
+        }
+    }
+    booking_give_back(b, m);
+    if (m->unsettled == 0) {
+        store_release(&b->store, m);
+        return false;
+    }
+    posting_schedule(b, m, held, left_ns);
+    return true;
 }

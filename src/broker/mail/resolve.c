@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/mail/resolve.h"
+#include "broker/mail/mail.h"
 
 #include "broker/control/parts.h"
-#include "broker/mail/booking.h"
-#include "broker/membership/presence.h"
-#include "broker/services/query.h"
 #include "core/address.h"
 #include "core/attributes.h"
 #include "core/fields.h"
@@ -32,35 +29,6 @@ void resolve_init(struct resolve *r, uint32_t agents)
 
 /* --- whom to ask ------------------------------------------------------------------------------ */
 
-/* @return who resolves an address, or MU_NONE */
-static uint32_t resolver_of(const struct broker *b, const char *dst)
-{
-    char text[MU_QUERY_MAX + 1];
-    struct mu_query query;
-    const struct services *s = &b->pages.services;
-    const struct mu_pairs *pairs = &s->pairs;
-    snprintf(text, sizeof text, "resolver scheme=%.*s", (int)strcspn(dst, ":"), dst);
-    if (mu_attributes_query(&query, text) != MU_OK) {
-        return MU_NONE;
-    }
-    uint32_t place = mu_pairs_start(pairs, "resolver"), line;
-    while ((line = mu_pairs_of(pairs, place++, "resolver")) != MU_NONE) {
-        uint32_t agent = registry_find(&b->registry, mu_pairs_second(pairs, line));
-        /* Who lives at another broker answers to that one. */
-        if (agent != MU_NONE && b->registry.agents[agent].is.home[0] == '\0' &&
-            mu_attributes_match(&query, "resolver", s->lines[line].attributes) &&
-            pages_shows(b, line, b->lockstep.on)) {
-            return agent;
-        }
-    }
-    return MU_NONE;
-}
-
-bool resolve_is_possible(const struct broker *b, const char *dst)
-{
-    return resolver_of(b, dst) != MU_NONE;
-}
-
 enum resolve_need resolve_needs(const struct broker *b, const struct mail *m)
 {
     const struct resolve *r = &b->resolve;
@@ -71,10 +39,10 @@ enum resolve_need resolve_needs(const struct broker *b, const struct mail *m)
     bool is_address = mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME;
     /* No address stands for the broker, and a resolver's answers must not wait for each other. */
     bool follows = queue->count > 0 && strcmp(m->letter.dst, "broker") != 0;
-    if (!follows && !(is_address && resolve_is_possible(b, m->letter.dst))) {
+    if (!follows && !(is_address && view_has_resolver(b, m->letter.dst))) {
         return RESOLVE_NOTHING;
     }
-    enum share_side side = presence_in_lockstep(b, m->sender) ? SHARE_LOCKSTEP : SHARE_OUTSIDE;
+    enum share_side side = names_in_lockstep(b, m->sender) ? SHARE_LOCKSTEP : SHARE_OUTSIDE;
     bool full = queue->count == MU_RESOLVE_SENDER_MAX || r->side_count[side] == MU_RESOLVE_MAX;
     return full ? RESOLVE_FULL : RESOLVE_WAIT;
 }
@@ -123,18 +91,18 @@ static void resolver_ask(struct broker *b, uint32_t index)
     struct mu_text t;
     struct resolve *r = &b->resolve;
     struct resolve_wait *w = &r->waits[index];
-    bool inside = presence_in_lockstep(b, w->resolver);
+    bool inside = names_in_lockstep(b, w->resolver);
     w->state = RESOLVE_ASKED;
     w->ticket = (inside ? 0 : OUTSIDE_TICKETS) + ++r->tickets[inside];
     w->until_ns = w->since_ns + patience_ns(b);
     r->soonest_ns = w->until_ns < r->soonest_ns ? w->until_ns : r->soonest_ns;
     r->asked++;
     asked_append(r, index);
-    query_begin(b, &t, "resolve");
+    answer_begin(b, &t, "resolve");
     mu_fields_add_string(&t, w->mail->letter.dst);
     mu_fields_add(&t, w->mail->letter.src);
     snprintf(ticket, sizeof ticket, "%s%" PRIu64, TICKET, w->ticket);
-    query_ask(b, w->resolver, "resolve", ticket);
+    answer_ask(b, w->resolver, "resolve", ticket);
 }
 
 void resolve_wait(struct broker *b, struct mail *m)
@@ -152,7 +120,7 @@ void resolve_wait(struct broker *b, struct mail *m)
     }
     queue->last = index;
     if (mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME) {
-        w->resolver = resolver_of(b, m->letter.dst);
+        w->resolver = view_resolver(b, m->letter.dst);
     }
     if (w->resolver != MU_NONE) {
         resolver_ask(b, index);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/membership/announce.h"
+#include "broker/membership/membership.h"
 
-#include "broker/base/sample.h"
 #include "broker/control/parts.h"
 
 #include <string.h>

@@ -1,13 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/membership/relay.h"
+#include "broker/membership/membership.h"
 
-#include "broker/base/border.h"
 #include "broker/control/parts.h"
-#include "broker/mail/booking.h"
-#include "broker/mail/outcome.h"
-#include "broker/membership/announce.h"
-#include "broker/membership/presence.h"
-#include "broker/services/router.h"
 #include "core/name.h"
 
 #include <string.h>
@@ -25,7 +19,7 @@ static uint32_t sender_of(struct broker *b, const char *src)
         b->registry.agents[sender].process == MU_NONE) {
         struct agent *a = &b->registry.agents[sender];
         a->awaited = true; /* its neighbour will say that it is there */
-        a->since_wall_ns = a->since_wall_ns ? a->since_wall_ns : presence_wall_ns(b);
+        a->since_wall_ns = a->since_wall_ns ? a->since_wall_ns : runclock_wall_ns(b);
     }
     return sender;
 }
@@ -72,8 +66,8 @@ static void mail_take(struct broker *b, uint32_t agent, uint32_t sender, const m
     m->only = agent;
     if (!b->lockstep.on || !router_meets_lockstep(b, m)) {
         (void)router_route(b, m);
-    } else if (!lockstep_keep(b, m, true)) {
-        router_turn_away(b, m);
+    } else if (!barrier_keep(b, m, true)) {
+        settle_turn_away(b, m);
     }
 }
 
@@ -156,15 +150,15 @@ static void receipt_take(struct broker *b, const struct peer *p, const muster_Re
     const struct agent *a = &b->registry.agents[agent];
     b->liaison.count.receipts_in++;
     bool goes_back = a->process != MU_NONE && strcmp(a->place, p->place) == 0;
-    if (!goes_back && !presence_in_lockstep(b, agent)) {
+    if (!goes_back && !names_in_lockstep(b, agent)) {
         outcome_tell(b, agent, r->first_seq, r->last_seq, r->result);
     }
 }
 
 static void lines_take(struct broker *b, const muster_Delivery *d)
 {
-    struct said said = pages_said(b);
-    struct said by_the_wall = {.stamp_ns = presence_wall_ns(b), .origin = said.origin};
+    struct said said = view_said(b);
+    struct said by_the_wall = {.stamp_ns = runclock_wall_ns(b), .origin = said.origin};
     for (uint32_t i = 0; i < d->memberships._length; i++) {
         const muster_Membership *m = &d->memberships._buffer[i];
         if (m->group && m->agent && m->origin &&
@@ -182,7 +176,7 @@ static void lines_take(struct broker *b, const muster_Delivery *d)
         }
         b->counters.malformed++;
     }
-    pages_tell(b);
+    notify_tell(b);
 }
 
 /* The neighbour has not heard us for a while, or not yet in this life. */
@@ -191,7 +185,7 @@ static void roll_call_take(struct broker *b, const struct peer *p)
     uint32_t place = places_find(&b->places, p->place);
     announce_all(b);
     if (place != MU_NONE) {
-        presence_tell_again(b, place);
+        lifecycle_tell_again(b, place);
     }
 }
 
@@ -203,7 +197,7 @@ void relay_take(struct broker *b, const muster_Delivery *d)
         b->counters.malformed++;
         return;
     }
-    struct peer *p = liaison_meet(b, d->broker, d->broker_incarnation);
+    struct peer *p = federation_meet(b, d->broker, d->broker_incarnation);
     if (!p) {
         return;
     }
@@ -231,7 +225,7 @@ static uint32_t acks_ready(const struct broker *b, struct peer *p)
     uint32_t waiting = 0;
     for (uint32_t i = 0; i < p->acks_count; i++) {
         uint32_t agent = p->acks[i];
-        if (lockstep_keeps_relayed(&b->lockstep, agent)) {
+        if (barrier_keeps_relayed(&b->lockstep, agent)) {
             p->acks[i] = p->acks[waiting];
             p->acks[waiting++] = agent;
         }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/names/claims.h"
+#include "broker/names/names.h"
 
 #include "muster/memory.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/names/places.h"
+#include "broker/names/names.h"
 
 #include "core/text.h"
 #include "core/utf8.h"
@@ -14,19 +14,6 @@ void places_init(struct places *p)
     p->unmatched = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->unmatched);
     p->queue = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->queue);
     mu_table_init(&p->names, MU_PROCESSES_MAX);
-}
-
-bool places_name_valid(const char *name)
-{
-    size_t len = 0;
-    while (len <= MU_PROCESS_MAX && name[len] != '\0') {
-        char c = name[len];
-        if (c <= ' ' || c > '~' || c == '*' || c == '?') { /* wildcards of DDS partitions */
-            return false;
-        }
-        len++;
-    }
-    return len >= 1 && len <= MU_PROCESS_MAX;
 }
 
 uint32_t places_find(const struct places *p, const char *name)

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/names/registry.h"
+#include "broker/names/names.h"
 
-#include "broker/base/sample.h"
 #include "core/name.h"
 #include "core/text.h"
 #include "muster/memory.h"
@@ -181,16 +180,4 @@ void registry_line(const struct registry *r, uint32_t agent, const char *broker,
                            .busy_since_wall_ns = a->is.busy_since_wall_ns,
                            .reason = a->is.reason};
     out->broker = a->is.home[0] ? a->is.home : sample_text(broker);
-}
-
-const char *registry_kind_word(muster_Kind kind)
-{
-    static const char *const words[] = {"agent", "robot", "host", "special"};
-    return (unsigned)kind < sizeof words / sizeof words[0] ? words[kind] : NULL;
-}
-
-const char *registry_state_word(muster_State state)
-{
-    static const char *const words[] = {"standby", "running", "suspended", "moving", "absent"};
-    return (unsigned)state < sizeof words / sizeof words[0] ? words[state] : NULL;
 }

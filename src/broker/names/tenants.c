@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/names/tenants.h"
+#include "broker/names/names.h"
 
 static struct tenant *tenant_of(struct registry *r, uint32_t agent)
 {

@@ -1,10 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/names/registry.h"
+#include "broker/node/node.h"
+
 #include "broker/node/disk_bundle.h"
 #include "broker/node/disk_parts.h"
 #include "core/log.h"
+#include "core/text.h"
+#include "muster/memory.h"
 
+#include <errno.h>
 #include <stdio.h>
+#include <string.h>
 
 /* The log grows to so many pages of 4 kB before it is copied into the file while mail pours in. */
 enum { LOG_PAGES_MAX = 4096 };
@@ -14,11 +19,6 @@ static const uint64_t QUIET_NS = 1000000000;
 
 const char *const disk_line_words[JOURNAL_LINE_KINDS] = {
     [JOURNAL_GROUPS] = "group", [JOURNAL_SERVICES] = "service"};
-
-bool disk_run(struct disk *d, const char *sql)
-{
-    return sqlite3_exec(d->db, sql, NULL, NULL, NULL) == SQLITE_OK;
-}
 
 /* --- rows ------------------------------------------------------------------------------------- */
 
@@ -57,18 +57,11 @@ static void fill_number_or_null(struct filling *f, uint64_t number)
     }
 }
 
-bool disk_step(sqlite3_stmt *statement)
-{
-    int result = sqlite3_step(statement);
-    (void)sqlite3_reset(statement); /* says again what the step has said */
-    return result == SQLITE_DONE;
-}
-
 static bool put_agent(struct disk *d, const struct journal_entry *e)
 {
     struct filling f = fill(d, DISK_PUT_AGENT);
     fill_text(&f, e->name);
-    fill_text(&f, registry_kind_word(e->agent_kind));
+    fill_text(&f, border_kind_word(e->agent_kind));
     fill_number(&f, e->durable_seq);
     fill_number(&f, e->reserved_seq);
     fill_number(&f, e->failed_seq);
@@ -228,7 +221,7 @@ bool disk_commit(struct disk *d, struct broker *b, muster_Level level, uint64_t 
     if (ok && d->log_pages > LOG_PAGES_MAX) {
         log_copy(d, SQLITE_CHECKPOINT_PASSIVE);
     }
-    journal_committed(b, ok, now_ns);
+    durable_committed(b, ok, now_ns);
     return ok;
 }
 
@@ -249,4 +242,13 @@ void disk_close(struct disk *d)
         (void)sqlite3_db_config(d->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
     }
     sqlite3_close(d->db); /* copies the log into the file, and removes it */
+}
+
+bool disk_incarnation_put(struct disk *d)
+{
+    char sql[160];
+    snprintf(sql, sizeof sql,
+             "INSERT OR REPLACE INTO meta VALUES ('incarnation', %lld), ('number_base', %lld)",
+             (long long)d->incarnation, (long long)d->number_base);
+    return disk_run(d, sql);
 }

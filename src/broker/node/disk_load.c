@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/names/registry.h"
+#include "broker/node/node.h"
+
 #include "broker/node/disk_bundle.h"
 #include "broker/node/disk_parts.h"
 
@@ -30,8 +31,8 @@ static void read_agent(struct reading *r, struct journal_entry *e)
     e->kind = JOURNAL_AGENT;
     e->name = read_text(r);
     const char *kind = read_text(r);
-    for (unsigned i = 0; registry_kind_word((muster_Kind)i); i++) {
-        if (strcmp(registry_kind_word((muster_Kind)i), kind) == 0) {
+    for (unsigned i = 0; border_kind_word((muster_Kind)i); i++) {
+        if (strcmp(border_kind_word((muster_Kind)i), kind) == 0) {
             e->agent_kind = (muster_Kind)i;
         }
     }
@@ -120,7 +121,7 @@ mu_result disk_load(struct disk *d, struct broker *b, uint64_t *refused)
             struct reading r = {.statement = s};
             struct journal_entry e = {.name = NULL};
             tables[i].read(&r, &e);
-            *refused += !journal_restore(b, &e);
+            *refused += !durable_restore(b, &e);
         }
         if (sqlite3_finalize(s) != SQLITE_OK || result != SQLITE_OK) {
             fprintf(stderr, "muster broker: %s: %s\n", d->path, sqlite3_errmsg(d->db));

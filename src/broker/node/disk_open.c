@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/node/node.h"
+
 #include "broker/node/disk_bundle.h"
 #include "broker/node/disk_parts.h"
 #include "core/log.h"
@@ -176,15 +178,6 @@ static int on_commit(void *self, sqlite3 *db, const char *name, int pages)
 static uint64_t greater(uint64_t a, uint64_t b)
 {
     return a > b ? a : b;
-}
-
-bool disk_incarnation_put(struct disk *d)
-{
-    char sql[160];
-    snprintf(sql, sizeof sql,
-             "INSERT OR REPLACE INTO meta VALUES ('incarnation', %lld), ('number_base', %lld)",
-             (long long)d->incarnation, (long long)d->number_base);
-    return disk_run(d, sql);
 }
 
 /* What is stored can be handed out all the same. */

@@ -6,7 +6,7 @@
 #ifndef MUSTER_BROKER_DISK_PARTS_H
 #define MUSTER_BROKER_DISK_PARTS_H
 
-#include "broker/node/disk.h"
+#include "broker/node/node.h"
 #include "core/text.h"
 
 #include <limits.h>

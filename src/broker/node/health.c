@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/node/health.h"
+#include "broker/node/node.h"
 
 #include <fcntl.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/node/herald.h"
+#include "broker/node/node.h"
 
 #include "core/clock.h"
 #include "core/log.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/node/pulse.h"
+#include "broker/node/node.h"
 
 static const uint64_t BEAT_NS = 300000000;
 

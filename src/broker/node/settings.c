@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/node/settings.h"
+#include "broker/node/node.h"
 
-#include "broker/mail/courier.h"
-#include "broker/services/counters.h"
 #include "core/exits.h"
 #include "core/name.h"
 #include "core/options.h"

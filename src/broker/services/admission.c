@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/services/admission.h"
+#include "broker/services/services.h"
 
-#include "broker/base/border.h"
 #include "broker/control/parts.h"
-#include "broker/mail/audience.h"
-#include "broker/mail/booking.h"
-#include "broker/mail/outcome.h"
-#include "broker/membership/presence.h"
 
 #include <string.h>
 
@@ -21,7 +16,7 @@ static bool was_had(const struct broker *b, uint32_t sender, const muster_Mail *
     if (letter->seq <= a->seen_seq) {
         /* Its answer is still to come, and a sender that hears of a duplicate asks no more: what
          * is on disk already is said to be there, lest this life ends before the answer. */
-        if (m && m->journal_written && !m->answered && !presence_in_lockstep(b, sender)) {
+        if (m && m->journal_written && !m->answered && !names_in_lockstep(b, sender)) {
             *outcome = muster_OUTCOME_STORED;
         }
         return true;

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/services/counters.h"
+#include "broker/services/services.h"
 
 #include "broker/control/parts.h"
+#include "core/text.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -186,4 +188,26 @@ void counters_print(void)
         }
         printf("| `%s` | %s |\n", c->name, c->counts);
     }
+}
+
+void counters_answer(struct broker *b, uint32_t own, const struct mail *question)
+{
+    struct mu_text t;
+    if (names_in_lockstep(b, question->sender)) {
+        answer_begin(b, &t, "in-lock-step");
+        answer_reply(b, own, question, "failure", b->text);
+        return;
+    }
+    answer_begin(b, &t, counters_part_name(own));
+    const struct counter *c;
+    for (size_t i = 0; (c = counters_at(i)); i++) {
+        if (own == REGISTRY_BROKER) {
+            mu_text_format(&t, " %s.%s %" PRIu64, counters_part_name(c->part), c->name,
+                           counters_value(b, c));
+        } else if (c->part == own) {
+            mu_text_format(&t, " %s %" PRIu64, c->name, counters_value(b, c));
+        }
+    }
+    MU_ASSERT(!t.cut);
+    answer_reply(b, own, question, "inform", b->text);
 }

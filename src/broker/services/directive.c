@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/services/directive.h"
+#include "broker/services/services.h"
 
 #include "broker/control/parts.h"
-#include "broker/services/query.h"
 #include "core/text.h"
 #include "muster/refusal.h"
 
@@ -93,13 +92,13 @@ void directive_take(struct broker *b, uint32_t own, const struct mail *m)
     if (strcmp(m->letter.performative, "do") != 0) {
         mu_text_format(&t, "%s %s", m->letter.performative,
                        mu_refusal_word(MU_REFUSAL_UNSUPPORTED));
-        query_reply(b, own, m, "refuse", content);
+        answer_reply(b, own, m, "refuse", content);
         return;
     }
     const struct directive *d = line_read(m->letter.content, value);
     if (!d || (own != REGISTRY_BROKER && own != d->part)) {
         directives_list(&t);
-        query_reply(b, own, m, "failure", content);
+        answer_reply(b, own, m, "failure", content);
         return;
     }
     mu_text_add(&t, d->word);
@@ -108,5 +107,5 @@ void directive_take(struct broker *b, uint32_t own, const struct mail *m)
         mu_text_clear(&t);
         mu_text_format(&t, "\"%s: expected %s\"", d->word, d->expect);
     }
-    query_reply(b, own, m, done ? "inform" : "failure", content);
+    answer_reply(b, own, m, done ? "inform" : "failure", content);
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Questions to the groups, and changes of them. */
+#include "broker/services/services.h"
+
 #include "broker/control/parts.h"
-#include "broker/services/query.h"
 #include "core/fields.h"
 
 #include <string.h>
@@ -12,9 +13,9 @@ void query_group_create(struct broker *b, const struct mail *question)
 {
     query_name group;
     if (query_read_name(b, question, group)) {
-        struct said said = pages_said(b);
+        struct said said = view_said(b);
         const char *refusal = groups_create(&b->pages.groups, group, &said);
-        pages_tell(b);
+        notify_tell(b);
         query_changed(b, question, refusal, group);
     }
 }
@@ -46,7 +47,7 @@ void query_group_leave(struct broker *b, const struct mail *question)
 void query_groups(struct broker *b, const struct mail *question)
 {
     struct query_list list;
-    bool inside = pages_inside(b, question->sender);
+    bool inside = view_inside(b, question->sender);
     uint32_t place = 0;
     query_list_begin(b, &list, question, "groups", "");
     for (const char *name; (name = groups_name(&b->pages.groups, inside, &place));) {
@@ -58,16 +59,16 @@ void query_groups(struct broker *b, const struct mail *question)
 static void group_unknown(struct broker *b, const struct mail *question, const char *group)
 {
     struct mu_text t;
-    query_begin(b, &t, "unknown-group");
+    answer_begin(b, &t, "unknown-group");
     mu_fields_add(&t, group);
-    query_send(b, question, "failure");
+    answer_send(b, question, "failure");
 }
 
 void query_members(struct broker *b, const struct mail *question)
 {
     query_name group;
     struct query_list list;
-    bool inside = pages_inside(b, question->sender);
+    bool inside = view_inside(b, question->sender);
     uint32_t place = 0;
     if (!query_read_name(b, question, group)) {
         return;

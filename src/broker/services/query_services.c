@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Questions to the yellow pages, and changes of them. */
+#include "broker/services/services.h"
+
 #include "broker/control/parts.h"
-#include "broker/services/query.h"
 #include "core/fields.h"
 
 #include <stdlib.h>
@@ -48,9 +49,9 @@ void query_advertise(struct broker *b, const struct mail *question)
     if (!agent) {
         return;
     }
-    struct said said = pages_said(b);
+    struct said said = view_said(b);
     const char *refusal = services_advertise(&b->pages.services, a.service, agent, &offer, &said);
-    pages_tell(b);
+    notify_tell(b);
     query_changed(b, question, refusal, a.service);
 }
 
@@ -91,7 +92,7 @@ void query_find_service(struct broker *b, const struct mail *question)
     struct mu_query query;
     struct query_list list;
     const struct services *s = &b->pages.services;
-    bool inside = pages_inside(b, question->sender);
+    bool inside = view_inside(b, question->sender);
     if (!query_read(b, question, text, &query)) {
         return;
     }
@@ -100,7 +101,7 @@ void query_find_service(struct broker *b, const struct mail *question)
         uint32_t line = s->pairs.order[i];
         const char *service = mu_pairs_first(&s->pairs, line);
         if (!mu_attributes_match(&query, service, s->lines[line].attributes) ||
-            !pages_shows(b, line, inside)) {
+            !view_shows(b, line, inside)) {
             continue;
         }
         query_list_room(b, &list, LINE_MAX_BYTES);
@@ -147,7 +148,7 @@ void query_subscribe(struct broker *b, const struct mail *question)
     }
     query_changed(b, question, s ? NULL : "full", text);
     if (s) {
-        pages_review(b, s, false); /* who is there already has come, too */
+        notify_review(b, s, false); /* who is there already has come, too */
     }
 }
 

@@ -10,7 +10,7 @@
 #define MUSTER_TESTS_BROKER_NET_H
 
 #include "broker/control/parts.h"
-#include "broker/membership/announce.h"
+#include "broker/membership/membership.h"
 #include "brokers.h"
 #include "core/text.h"
 #include "samples.h"

@@ -7,7 +7,7 @@
 #define MUSTER_TESTS_DISK_STORY_H
 
 #include "broker/control/parts.h"
-#include "broker/mail/journal.h"
+#include "broker/mail/mail.h"
 #include "broker_story.h"
 #include "platter.h"
 
@@ -37,7 +37,7 @@ static inline bool commit(bool works)
             CU_ASSERT_TRUE_FATAL(platter_write(&disk, &e));
         }
     }
-    journal_committed(story.b, works, story.now_ns);
+    durable_committed(story.b, works, story.now_ns);
     return true;
 }
 
@@ -61,7 +61,7 @@ static uint32_t refused;
 
 static inline void come_back(const struct journal_entry *e)
 {
-    refused += !journal_restore(story.b, e);
+    refused += !durable_restore(story.b, e);
 }
 
 /* The broker dies now, and is back later. */

@@ -6,7 +6,7 @@
 #ifndef MUSTER_TESTS_PLATTER_H
 #define MUSTER_TESTS_PLATTER_H
 
-#include "broker/mail/journal.h"
+#include "broker/mail/mail.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -51,7 +51,7 @@ struct platter {
  */
 bool platter_write(struct platter *p, const struct journal_entry *e);
 
-/** Gives back all that was written, in the order in which journal_restore wants it. */
+/** Gives back all that was written, in the order in which durable_restore wants it. */
 void platter_read(const struct platter *p, void (*restore)(const struct journal_entry *e));
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/node/beacons.h"
+#include "broker/node/node.h"
 #include "samples.h"
 #include "suite.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The store itself: a file in a temporary folder, written by one broker and read by the next. */
-#include "broker/node/disk.h"
 #include "broker/control/parts.h"
+#include "broker/node/node.h"
 #include "broker_story.h"
 #include "capture.h"
 

@@ -268,7 +268,7 @@ static bool restore(uint64_t i, const char *waiting)
                               .letter = m,
                               .waiting = waiting,
                               .expires_wall_ns = WALL + 3600 * SECOND};
-    return journal_restore(story.b, &e);
+    return durable_restore(story.b, &e);
 }
 
 /* An earlier life can have had both accounts full, and no file more than that. */

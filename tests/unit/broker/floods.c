@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Mail that pours into one process, while others exchange a mail now and then. */
-#include "broker/mail/floods.h"
 #include "broker/control/parts.h"
+#include "broker/delivery/delivery.h"
 #include "broker_story.h"
 
 static uint64_t red_seq, blue_seq, green_seq;

@@ -396,7 +396,7 @@ static void test_numbers_are_reserved_ahead(void)
 
 static void restore_bad(struct journal_entry e)
 {
-    CU_ASSERT_FALSE(journal_restore(story.b, &e));
+    CU_ASSERT_FALSE(durable_restore(story.b, &e));
 }
 
 static void test_a_file_is_no_better_than_the_network(void)
@@ -454,8 +454,8 @@ static void test_a_file_is_no_better_than_the_network(void)
     restore_bad(e);
     CU_ASSERT_EQUAL(story_status().waiting, 0);
     struct journal_entry green = {.kind = JOURNAL_AGENT, .name = "green"};
-    CU_ASSERT_TRUE(journal_restore(story.b, &green));
-    CU_ASSERT_TRUE(journal_restore(story.b, &good));
+    CU_ASSERT_TRUE(durable_restore(story.b, &green));
+    CU_ASSERT_TRUE(durable_restore(story.b, &good));
     e = good;
     e.row = 2;
     restore_bad(e); /* the same mail */
@@ -512,18 +512,18 @@ static void test_groups_and_services_come_back(void)
     CU_ASSERT_NOT_EQUAL_FATAL(line, MU_NONE);
     CU_ASSERT_TRUE(s->lines[line].offered);
     CU_ASSERT_STRING_EQUAL(s->lines[line].attributes, "role=scout");
-    CU_ASSERT_FALSE(pages_shows(story.b, line, false)); /* its agent is not back yet */
+    CU_ASSERT_FALSE(view_shows(story.b, line, false)); /* its agent is not back yet */
     story_register("red", "p-red");
-    CU_ASSERT_TRUE(pages_shows(story.b, line, false));
+    CU_ASSERT_TRUE(view_shows(story.b, line, false));
 
     /* Its lines may have other slots by now: what stood in the file is replaced. */
     CU_ASSERT_TRUE(commit(true));
     CU_ASSERT_EQUAL(lines_resets, 2);
     CU_ASSERT_FALSE(commit(true));
     story_tick(30 * SECOND);
-    CU_ASSERT_TRUE(pages_shows(story.b, line, false));
+    CU_ASSERT_TRUE(view_shows(story.b, line, false));
     story_tick(30 * SECOND); /* a lease goes on while the broker is dead */
-    CU_ASSERT_FALSE(pages_shows(story.b, line, false));
+    CU_ASSERT_FALSE(view_shows(story.b, line, false));
     die_and_come_back(SECOND);
     CU_ASSERT_TRUE(is_member("scouts", "red"));
 }
@@ -549,7 +549,7 @@ static void test_bad_lines_stay_on_disk(void)
     e.line.stamp_ns = JOURNAL_NUMBER_MAX + 1;
     restore_bad(e);
     CU_ASSERT_FALSE(story.b->journal.slots[JOURNAL_GROUPS].reset);
-    CU_ASSERT_TRUE(journal_restore(story.b, &good));
+    CU_ASSERT_TRUE(durable_restore(story.b, &good));
     CU_ASSERT_TRUE(is_member("scouts", "red"));
 }
 

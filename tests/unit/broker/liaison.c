@@ -148,7 +148,7 @@ static void test_another_life_that_reads_is_told_all(void)
     net_send("red", "blue", "one");
     net_settle();
     uint32_t blue = registry_find(&net.b[B]->registry, "blue");
-    liaison_peer(net.b[B], "a")->taken[blue] = 0;
+    remote_peer(net.b[B], "a")->taken[blue] = 0;
     net_send("red", "blue", "two");
     net_settle();
     HEARD("blue", "one");
@@ -699,8 +699,8 @@ static void test_limit_brokers(void)
     CU_ASSERT_EQUAL(net.b[A]->liaison.peers_there, MU_BROKERS_MAX);
     broker_gone(net.b[A], "broker.n3", 0, true, net.now_ns); /* who is silent makes room */
     gamma_says(name, &e);
-    CU_ASSERT_PTR_NOT_NULL(liaison_peer(net.b[A], name));
-    CU_ASSERT_PTR_NULL(liaison_peer(net.b[A], "n3"));
+    CU_ASSERT_PTR_NOT_NULL(remote_peer(net.b[A], name));
+    CU_ASSERT_PTR_NULL(remote_peer(net.b[A], "n3"));
 }
 
 static void test_only_what_has_changed_is_announced(void)

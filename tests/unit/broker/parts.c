@@ -200,7 +200,7 @@ static void commit(bool ok)
     while (journal_wanted(story.b, &level)) {
         while (journal_next(story.b, &entry)) {
         }
-        journal_committed(story.b, ok, story.now_ns);
+        durable_committed(story.b, ok, story.now_ns);
     }
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/node/pulse.h"
+#include "broker/node/node.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>

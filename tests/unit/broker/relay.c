@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a broker has from another one, and what it tells it: a neighbour that says what a test
  * makes it say, and a disk. */
-#include "broker/membership/liaison.h"
+#include "broker/names/names.h"
 #include "disk_story.h"
 #include "lockstep_story.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Addresses that an agent resolves: who is asked, who waits, what an answer may be. */
-#include "broker/mail/resolve.h"
-#include "broker/services/counters.h"
+#include "broker/mail/mail.h"
+#include "broker/services/services.h"
 #include "pages_story.h"
 
 #define SECOND (1000 * MS)

@@ -239,7 +239,7 @@ static void test_a_line_that_makes_room_is_forgotten(void)
     story_gone("p-red");
     (void)say("green", "withdraw", "mapper");
     for (int i = 0; i < MU_SERVICES_MAX - 1; i++) {
-        struct said said = pages_said(story.b);
+        struct said said = view_said(story.b);
         snprintf(name, sizeof name, "s%d", i);
         CU_ASSERT_PTR_NULL_FATAL(services_advertise(s, name, "away", &offer, &said));
     }

@@ -26,7 +26,7 @@ void disk_write(void)
         HOLD(!works || platter_write(&platter, &e));
     }
     history_note("%s", works ? "committed" : "the disk does not take it");
-    journal_committed(history.life.b, works, life_now_ns());
+    durable_committed(history.life.b, works, life_now_ns());
     ledger_committed(works);
     if (works) {
         history.book_on_disk = history.book;
@@ -37,7 +37,7 @@ void disk_write(void)
 
 static void restore(const struct journal_entry *e)
 {
-    bool taken = journal_restore(history.life.b, e);
+    bool taken = durable_restore(history.life.b, e);
     if (!taken) {
         history_note("entry of kind %d, of %s/%llu for %s, is not taken", (int)e->kind,
                      e->letter.src ? e->letter.src : "", (unsigned long long)e->letter.seq,

@@ -2,7 +2,7 @@
 #include "history.h"
 
 #include "broker/control/parts.h"
-#include "broker/mail/journal.h"
+#include "broker/mail/mail.h"
 
 #include <string.h>
 

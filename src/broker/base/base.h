@@ -1,0 +1,717 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file base.h
+ * Time, versions, limits, the rules of the wire, the pool of mails, and the boxes in which they
+ * wait.
+ */
+#ifndef MUSTER_BROKER_BASE_H
+#define MUSTER_BROKER_BASE_H
+
+#include "core/table.h"
+#include "muster/limits.h"
+#include "muster/result.h"
+#include "wire.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct broker;
+
+/* --- runclock.c ------------------------------------------------------------------------------ */
+
+/*
+ * The two times that mail knows.
+ *
+ * The run's time counts from the start of a run; mail is due by it.  The mail clock never goes
+ * back, whatever runs start and end; mail expires by it.  In lock step both move with the steps,
+ * else with the broker's clock.
+ */
+
+struct runclock {
+    uint64_t now_ns; /* the broker's clock, as last told */
+    bool lockstep;
+    bool runs;             /* a run has started */
+    uint64_t run_ns;       /* the run's time at base_ns; in lock step: now */
+    uint64_t base_ns;      /* of the broker's clock */
+    uint64_t mail_lead_ns; /* the mail clock is so far ahead of the other one, modulo 2^64 */
+};
+
+/** Takes note of the broker's clock; an earlier time than the last one counts as the last one. */
+void runclock_set_now(struct runclock *c, uint64_t now_ns);
+
+/** A run is at this time now, and goes on in lock step or with the broker's clock. */
+void runclock_start(struct runclock *c, bool lockstep, uint64_t run_ns);
+
+/** In lock step: a step ends at this time. */
+void runclock_step(struct runclock *c, uint64_t run_ns);
+
+/** @return the run's time; 0 when none has started */
+uint64_t runclock_run_ns(const struct runclock *c);
+
+/** @return the mail clock's time */
+uint64_t runclock_mail_ns(const struct runclock *c);
+
+/** Out of lock step: when the broker's clock shows this time of the mail clock or of the run. */
+uint64_t runclock_now_of_mail_ns(const struct runclock *c, uint64_t mail_ns);
+uint64_t runclock_now_of_run_ns(const struct runclock *c, uint64_t run_ns);
+
+/** @return nanoseconds since 1970 */
+uint64_t runclock_wall_ns(const struct broker *b);
+
+/* --- changes.c ------------------------------------------------------------------------------- */
+
+/*
+ * The lines of a table in order of their last change: who remembers the version that it has had
+ * finds what is new to it without looking at the rest.
+ */
+
+struct change {
+    uint64_t version;    /* 0: not in the list */
+    uint32_t next, prev; /* the next one has the higher version */
+    bool gone;           /* in the list of those that are no more */
+};
+
+struct changes {
+    struct change *lines; /* one for each line of the table */
+    uint32_t first, last; /* the oldest, the youngest */
+    uint64_t version;     /* of the last change; the first is 1 */
+    uint32_t *gone;       /* lines that are no more, until changes_gone has told of them */
+    uint32_t gone_count;
+};
+
+/** Takes memory at start-up. */
+void changes_init(struct changes *c, uint32_t capacity);
+
+/** A line has changed, or is new: it is now the youngest. */
+void changes_touch(struct changes *c, uint32_t line);
+
+/** @return the version at which the line last changed; 0: never, or it is no more */
+uint64_t changes_version(const struct changes *c, uint32_t line);
+
+/** A line is no more; changes_gone tells of that, and nothing else does. */
+void changes_remove(struct changes *c, uint32_t line);
+
+/** @return a line that is no more, or was not for a while, each once; or MU_NONE */
+uint32_t changes_gone(struct changes *c);
+
+/** @return the oldest line that changed after that version, or MU_NONE; costs O(changes since) */
+uint32_t changes_after(const struct changes *c, uint64_t version);
+
+/** @return the line that changed next after this one, or MU_NONE */
+uint32_t changes_next(const struct changes *c, uint32_t line);
+
+/* --- pacer.c --------------------------------------------------------------------------------- */
+
+/*
+ * Slows down who presses: a sender whose mail does not get through is told so at once, and then at
+ * most every PACER_PAUSE_NS.
+ *
+ * A sender has a bounded number of mails without an answer, so that the pause bounds its rate.
+ * Nobody else waits for anything.
+ */
+
+enum { PACER_PAUSE_NS = 100000000 };
+
+struct paced {
+    uint64_t until_ns; /* not told anything but good news before this */
+    bool queued;       /* there is something to tell then */
+};
+
+struct pacer {
+    struct paced *agents; /* one for each agent of the registry */
+    uint32_t *ring;       /* those in the queue, each once */
+    uint32_t size;        /* of both */
+    uint32_t head, count;
+};
+
+void pacer_init(struct pacer *p, uint32_t agents);
+
+/**
+ * Says whether to tell an agent bad news later: then pacer_next gives it when it is time.  From now
+ * on it is told such at most every PACER_PAUSE_NS.
+ */
+bool pacer_holds(struct pacer *p, uint32_t agent, uint64_t now_ns);
+
+/** @return the next agent that may be told now, or MU_NONE */
+uint32_t pacer_next(struct pacer *p, uint64_t now_ns);
+
+/** @return when pacer_next gives one, or UINT64_MAX */
+uint64_t pacer_deadline_ns(const struct pacer *p);
+
+/* --- events.c -------------------------------------------------------------------------------- */
+
+/*
+ * What goes wrong with mail, for whoever looks: told soon, and not more often than is useful.
+ *
+ * Events of one kind at one agent are counted together until they are told, and all that there
+ * are are told at most every EVENTS_PAUSE_NS.
+ */
+
+enum { EVENTS_PAUSE_NS = 100000000 };
+
+enum event_kind { EVENT_BOX_FULL, EVENT_DROPPED, EVENT_OVER_SHARE, EVENT_REFUSED, EVENT_KINDS };
+
+struct event {
+    uint32_t agent;  /* whose box; the broker itself: its store, or its trust policy */
+    uint32_t sender; /* of the last one */
+    uint64_t count;  /* since it was told last; 0: nothing to tell */
+    uint64_t at_ns;  /* of the last one, by the broker's clock */
+    enum event_kind kind;
+};
+
+struct events {
+    struct event *all; /* EVENT_KINDS for each agent of the registry */
+    uint32_t *ring;    /* of those to be told, each once */
+    uint32_t size;     /* of both */
+    uint32_t head, count;
+    uint32_t ready; /* of those in the ring, they may be told now */
+    uint64_t pause_until_ns;
+};
+
+void events_init(struct events *e, uint32_t agents);
+
+/** One more of a kind. */
+void events_note(struct events *e, const struct event *event);
+
+/** Gives what may be told now.  @return false when there is nothing */
+bool events_next(struct events *e, uint64_t now_ns, struct event *out);
+
+/** @return the word for a kind, as tools see it */
+const char *events_kind_word(enum event_kind kind);
+
+/* --- border.c -------------------------------------------------------------------------------- */
+
+/*
+ * Checks of everything that comes from the network, made once; behind it, samples can be trusted
+ * to be whole and bounded.
+ */
+
+/** @return whether s is a string of at most max bytes */
+bool border_string(const char *s, size_t max);
+
+/** Checks the frame of a Registration; its entries are looked at one by one. */
+bool border_registration(const muster_Registration *r);
+
+/** @return whether what is said of an agent fits; its name may still be no good one */
+bool border_entry(const muster_Entry *e, bool of_a_broker);
+
+bool border_roster(const muster_Roster *r);
+
+/** Checks the frame of an Up; its mails are looked at one by one. */
+bool border_up(const muster_Up *up);
+
+/** Checks all of a mail but its sender. */
+bool border_mail(const muster_Mail *m);
+
+/** @return whether a process may have that name, which is a DDS partition, too */
+bool border_process_name(const char *name);
+
+/** Words that people and rules see; NULL when out of range. */
+const char *border_kind_word(muster_Kind kind);
+const char *border_state_word(muster_State state);
+
+/* --- share.c --------------------------------------------------------------------------------- */
+
+/*
+ * A sender's fair share of what all of them use together.
+ *
+ * The rule is the dynamic threshold of A. K. Choudhury and E. L. Hahne, "Dynamic queue length
+ * thresholds for shared-memory packet switches", IEEE/ACM Transactions on Networking 6(2), 1998,
+ * with a factor of 1: whoever holds something may hold as much as is left free.  So a lone sender
+ * gets one half, two get a third each, and there is always room for one who has nothing yet.
+ */
+
+/* What somebody holds, or wants to. */
+struct share_use {
+    uint32_t mails;
+    uint32_t bytes; /* of the store */
+    uint32_t posts; /* places in boxes */
+};
+
+enum share_answer {
+    SHARE_FITS,
+    SHARE_FULL, /* all senders together leave no room */
+    SHARE_OVER  /* there may be room, but this sender has had its share */
+};
+
+/**
+ * @param own    what the sender holds
+ * @param all    what all hold together
+ * @param want   what it wants besides
+ * @param most   what all may hold together
+ * @param floor  so much is within a sender's share whatever is free
+ */
+enum share_answer share_ask(const struct share_use *own, const struct share_use *all,
+                            const struct share_use *want, const struct share_use *most,
+                            const struct share_use *floor);
+
+void share_add(struct share_use *use, const struct share_use *more);
+void share_subtract(struct share_use *use, const struct share_use *less);
+
+/* The store's accounts.  Those of the lock step are apart: what others send by the wall clock does
+ * not change what a sender in it may send. */
+enum share_side { SHARE_OUTSIDE, SHARE_LOCKSTEP, SHARE_SIDES };
+
+/* What both sides can hold together: others may have filled the store when a lock step begins, and
+ * that has its half all the same. */
+enum {
+    SHARE_MAILS_MAX = MU_MAILS_MAX + MU_MAILS_MAX / 2,
+    SHARE_BYTES_MAX = MU_MAIL_BYTES_MAX + MU_MAIL_BYTES_MAX / 2,
+    SHARE_POSTS_MAX = MU_POSTS_MAX + MU_POSTS_MAX / 2
+};
+
+struct share_accounts {
+    struct share_use *senders[SHARE_SIDES]; /* one for each agent of the registry */
+    struct share_use all[SHARE_SIDES];
+};
+
+void share_init(struct share_accounts *a, uint32_t agents);
+
+/**
+ * Books a mail on its sender's account, if that may be.
+ *
+ * @param halved  both sides are in use, and have one half of the store each: the lock step never
+ * has more
+ * @param urgent  a directive: it has no share, and a reserve that no other mail can take
+ */
+enum share_answer share_book(struct share_accounts *a, enum share_side side, uint32_t sender,
+                             const struct share_use *want, bool halved, bool urgent);
+
+/**
+ * Books a mail that had its room in an earlier life, on whichever account has room for it.
+ *
+ * @param side  out: that account
+ * @return false: neither has
+ */
+bool share_restore(struct share_accounts *a, enum share_side *side, uint32_t sender,
+                   const struct share_use *want);
+
+/** Takes back some of what was booked. */
+void share_unbook(struct share_accounts *a, enum share_side side, uint32_t sender,
+                  const struct share_use *less);
+
+/* --- store.c --------------------------------------------------------------------------------- */
+
+/*
+ * The mails themselves: each is kept once, however many receivers it has.
+ *
+ * The memory, for mails that wait in boxes and for those that wait for the end of a lock step, is
+ * cut into slabs; a slab holds records of one size class, from its
+ * first use until the last of them goes.  Nothing is touched before it is needed, so that an idle
+ * broker stays small.
+ */
+
+/* Text in a sample that is about to be written. */
+
+enum {
+    STORE_SLAB_BYTES = 64 * 1024,
+    STORE_SLABS = (SHARE_BYTES_MAX + MU_STEP_BYTES_MAX) / STORE_SLAB_BYTES,
+    STORE_CLASSES = 8,
+    STORE_RECORD_MAX = 21824, /* bytes that the largest mail takes: three to a slab */
+};
+
+/* The two schedules that a mail may stand in; see schedule.h. */
+enum schedule_kind { SCHEDULE_DUE, SCHEDULE_EXPIRY, SCHEDULE_KINDS };
+
+struct mail {
+    muster_Mail letter;             /* its strings lie behind this record */
+    struct mail *next;              /* in a list of mails that wait for the end of a step */
+    struct mail *journal_next;      /* in the list of what is to be written to disk */
+    struct mail *journal_same;      /* in a chain of durable mails whose names have one hash */
+    uint64_t row;                   /* on disk; 0: it is not durable */
+    uint64_t at_ns[SCHEDULE_KINDS]; /* of the run; of the broker's clock */
+    uint32_t place[SCHEDULE_KINDS]; /* in the schedule's heap; MU_NONE: not there */
+    uint64_t order;                 /* in which mails were routed */
+    uint32_t sender;                /* an index of the registry */
+    uint32_t only;      /* its one receiver, by another broker's word; MU_NONE: as dst says */
+    uint32_t kept_for;  /* the one that a lock step keeps it for; MU_NONE: for many, or unknown */
+    uint32_t payer;     /* whose share it takes: the sender's, or who asked for it */
+    uint32_t posts;     /* the first of its places in boxes; MU_NONE: none */
+    uint32_t unsettled; /* receivers that have neither acknowledged it nor let it expire */
+    uint32_t veiled;    /* of them, outside a lock step that the sender is in */
+    uint32_t uses;      /* freed at 0 */
+    uint32_t bytes;
+    uint32_t size_class;
+    struct mail *older, *newer;     /* of those that wait in boxes; see ages.h */
+    uint64_t came_ns;               /* on the mail clock */
+    struct share_use booked;        /* on its sender's account */
+    struct share_use booked_veiled; /* for those outside, on its sender's account there */
+    uint8_t side;                   /* enum share_side: the account on which it is booked */
+    uint8_t answer;                 /* muster_Outcome: */
+    bool answered;                  /* the last receipt for it is out */
+    bool journal_listed;            /* in the journal's list */
+    bool journal_written;           /* its row is on disk */
+    bool tell_stored;               /* when it is: the sender is told */
+    bool stored_ends_it;            /* who sent it is told no more than that */
+    bool stored_told;               /* the sender has been told that it waits */
+    bool passed_on;                 /* another broker has taken it over for one receiver at least */
+    bool expired;                   /* for one receiver at least */
+    bool dropped;                   /* likewise */
+};
+
+struct store_slab {
+    uint32_t next, prev; /* in the list of its class's slabs with room, or (next) of free slabs */
+    uint32_t size_class;
+    uint32_t live;   /* records in use */
+    uint32_t carved; /* records ever used since the class took it */
+    void *free;      /* records given back */
+};
+
+struct store {
+    unsigned char *memory;
+    struct store_slab *slabs;
+    uint32_t slabs_used; /* high-water mark */
+    uint32_t slabs_free; /* list of slabs given back */
+    uint32_t open[STORE_CLASSES];
+    uint32_t mails;
+};
+
+void store_init(struct store *s);
+
+/** Copies a mail that the border has let through, with one use.  @return NULL when full */
+struct mail *store_put(struct store *s, const muster_Mail *letter);
+
+/** @return the bytes of the store that a mail takes */
+uint32_t store_bytes(const struct mail *m);
+
+void store_keep(struct mail *m);
+
+/** Ends one use; the last one frees the mail. */
+void store_release(struct store *s, struct mail *m);
+
+/** @return the text, for a member of a sample: idlc makes none const, and nobody writes there */
+static inline char *sample_text(const char *text)
+{
+    return (char *)(uintptr_t)text;
+}
+
+/**
+ * How it stands with a mail that somebody still waits for, for the store.
+ *
+ * @return what its sender was told for good, or what he will be told; "" for nothing yet
+ */
+const char *store_mail_standing(const struct mail *m);
+
+/** The same of a mail that comes back from the store.  @return false: there is no such word */
+bool store_mail_go_on(struct mail *m, const char *word);
+
+/* --- boxshare.c ------------------------------------------------------------------------------ */
+
+/*
+ * What each sender has in each box: a share for each pair of them.
+ *
+ * A pair stands here as long as the sender has a post in the box, so that there are never more
+ * pairs than posts.  They are found by a hash that keeps the pairs of one box close together:
+ * little memory is touched while there are few.
+ */
+
+/* The queues of mail that waits, apart from directives: low, normal, high. */
+enum { BOXSHARE_QUEUES = 3 };
+
+/* A list of posts, and what they take. */
+struct post_queue {
+    uint32_t head, tail, count, bytes;
+};
+
+struct boxshare {
+    uint32_t box, sender;
+    uint32_t next; /* with the same hash, or free */
+    struct share_use use;
+    struct post_queue waiting[BOXSHARE_QUEUES]; /* the sender's part of the box's queues */
+};
+
+struct boxshares {
+    struct boxshare *pool; /* SHARE_POSTS_MAX of them */
+    uint32_t used;         /* high-water mark */
+    uint32_t free;
+    uint32_t live;
+    uint32_t *heads; /* of the lists of each hash: an index and one, or 0 */
+    uint32_t mask;
+};
+
+void boxshare_init(struct boxshares *p);
+
+/** @return the pair, or MU_NONE: the sender has nothing there */
+uint32_t boxshare_find(const struct boxshares *p, uint32_t box, uint32_t sender);
+
+/** Finds a pair or enters it. */
+uint32_t boxshare_get(struct boxshares *p, uint32_t box, uint32_t sender);
+
+/** Forgets a pair whose use is nothing. */
+void boxshare_drop(struct boxshares *p, uint32_t pair);
+
+/* --- mailbox.c ------------------------------------------------------------------------------- */
+
+/*
+ * A box for each agent: what waits for it, what was handed out, and what it has acknowledged.
+ *
+ * A post is a mail's place in one box.  It waits in the urgent queue (directives) or in that of its
+ * priority, is then handed out, which gives it the box's next number, and goes when it is
+ * acknowledged.  A number that has gone out on the network stays with its mail for ever.
+ *
+ * A box has a limit in mails and bytes; boxroom.h says what happens at it.
+ */
+
+/* Handed out beyond MU_WINDOW_MAX, and for directives alone: they reach an agent that has stopped
+ * acknowledging its mail.  And so many have room in a box that other mail has filled. */
+enum { MAILBOX_RESERVE = 8 };
+
+/* What may be handed out just now. */
+enum mailbox_gate { GATE_SHUT, GATE_URGENT, GATE_OPEN };
+
+enum post_list { POST_HELD, POST_LOW, POST_NORMAL, POST_HIGH, POST_URGENT, POST_FLIGHT };
+
+/* The lists that a post stands in at the same time. */
+enum post_links { LINKS_BOX, LINKS_PAIR, LINKS };
+
+struct post_link {
+    uint32_t next, prev;
+};
+
+struct post {
+    struct mail *mail;
+    struct post_link links[LINKS]; /* in its list of the box, also the free list; in the pair's */
+    uint32_t sibling_next, sibling_prev; /* posts of the same mail */
+    uint32_t agent;
+    uint32_t pair; /* of box and sender */
+    uint8_t list;  /* enum post_list */
+    bool sent;     /* has gone out on the network */
+    bool veiled;   /* see struct mail */
+};
+
+/* What a box may hold, and what happens when it is full. */
+struct box_limits {
+    muster_BoxPolicy policy;
+    uint32_t mails, bytes;
+};
+
+struct box {
+    bool begun;
+    bool watched; /* in the list of boxes that wait for an acknowledgement */
+    struct post_queue lists[POST_FLIGHT + 1]; /* POST_HELD: its count alone */
+    uint64_t acked;                           /* the number before the first one in flight */
+    uint32_t out;     /* the first in flight that is to go out (again); or MU_NONE */
+    uint32_t written; /* how many in flight stand before it */
+    uint64_t progress_ns;
+    uint32_t unsaved;         /* mails of the store, acknowledged since */
+    uint64_t unsaved_commits; /* so many commits had been made; see journal_room */
+    uint32_t watch_next, watch_prev;
+    struct share_use use;     /* waiting, held and in flight */
+    struct box_limits limits; /* 0: the broker's */
+};
+
+struct mailbox {
+    struct post *posts;  /* SHARE_POSTS_MAX of them */
+    uint32_t posts_used; /* high-water mark */
+    uint32_t posts_free;
+    uint32_t posts_live;
+    uint64_t base;                   /* every box counts from here */
+    struct box *boxes;               /* one for each agent of the registry */
+    uint32_t watch_head, watch_tail; /* the box without progress for longest is the head */
+    struct boxshares shares;
+    struct box_limits limits; /* of boxes that have none of their own */
+};
+
+void mailbox_init(struct mailbox *m, uint32_t agents);
+
+/** @return the box of an agent; it begins if it has not, which is for who puts mail into it alone:
+ *          another broker is told where (names_tell_number) */
+struct box *mailbox_box(struct mailbox *m, uint32_t agent);
+
+/** @return whether the agent's box was ever used: memory of others stays untouched */
+bool mailbox_is_begun(const struct mailbox *m, uint32_t agent);
+
+/**
+ * Sets the limits of all boxes that have none of their own.
+ *
+ * @param mails  at most MU_BOX_MAX; 0: that many
+ * @param bytes  at most MU_BOX_BYTES_MAX; 0: that many
+ */
+void mailbox_set_defaults(struct mailbox *m, muster_BoxPolicy policy, uint32_t mails,
+                          uint32_t bytes);
+
+/**
+ * Sets the limits of one box; what is in it already stays.
+ *
+ * @param policy  BOX_REFUSE_NEW: the broker's default
+ * @param mails   0: the broker's default
+ * @param bytes   0: the broker's default
+ */
+void mailbox_set_limits(struct mailbox *m, uint32_t agent, muster_BoxPolicy policy, uint32_t mails,
+                        uint32_t bytes);
+
+/** @return the limits of a box, its own or the broker's */
+struct box_limits mailbox_limits(const struct mailbox *m, const struct box *box);
+
+/** @return the queue in which a mail waits */
+enum post_list mailbox_queue(const struct mail *mail);
+
+/** @return the post behind this one in its list of the box, or MU_NONE */
+uint32_t mailbox_next(const struct mailbox *m, uint32_t post);
+
+/**
+ * Puts a mail into a box, or holds it until mailbox_admit, whatever the box's limits say.
+ *
+ * @return MU_OK, or MU_FULL: there are no more posts
+ */
+mu_result mailbox_put(struct mailbox *m, uint32_t agent, struct mail *mail, bool held);
+
+/** The post that a mail was given last is for one outside the lock step that its sender is in. */
+void mailbox_veil(struct mailbox *m, struct mail *mail);
+
+/** A held post may be handed out from now on. */
+void mailbox_admit(struct mailbox *m, uint32_t post);
+
+/** Takes a post out that is not in flight; its mail remains. */
+void mailbox_withdraw(struct mailbox *m, uint32_t post);
+
+/**
+ * Hands out as much as the gate and the window allow.
+ *
+ * @param written  so many mails that are on disk at most; those behind them wait, too
+ */
+void mailbox_hand_out(struct mailbox *m, uint32_t agent, enum mailbox_gate gate, uint32_t written);
+
+/** @return whether this mail is what would be handed out next, if the gate is open */
+bool mailbox_next_is(struct mailbox *m, uint32_t agent, const struct mail *mail);
+
+/** Hands out that mail alone. */
+void mailbox_hand_next(struct mailbox *m, uint32_t agent, const struct mail *mail);
+
+/** Takes back what was handed out but has never gone out. */
+void mailbox_take_back(struct mailbox *m, uint32_t agent);
+
+/**
+ * The next count posts from box->out on have gone out.
+ *
+ * @return how many of them not for the first time
+ */
+uint32_t mailbox_mark_written(struct mailbox *m, uint32_t agent, uint32_t count);
+
+/** Everything in flight is to go out again. */
+void mailbox_repeat(struct mailbox *m, uint32_t agent);
+
+/** @return whether the receiver can have had this number */
+bool mailbox_number_valid(const struct mailbox *m, uint32_t agent, uint64_t number);
+
+/** @return the highest number that was handed out, or the one before the first */
+uint64_t mailbox_last_number(const struct mailbox *m, uint32_t agent);
+
+/** Takes out the oldest post in flight, as acknowledged.  @return its mail */
+struct mail *mailbox_pop(struct mailbox *m, uint32_t agent);
+
+/** The box has made progress now, or is to be watched from now on, if anything is in flight. */
+void mailbox_watch(struct mailbox *m, uint32_t agent, uint64_t now_ns);
+void mailbox_unwatch(struct mailbox *m, uint32_t agent);
+
+/* --- boxroom.c ------------------------------------------------------------------------------- */
+
+/*
+ * Whether a box has room for a mail, and what has to go if not.
+ *
+ * A sender has a fair share of each box (share.h).  Where the box drops mail when it is full,
+ * whoever is over its share makes room with its own mail, so that a flood costs nobody else
+ * anything; only a box that is full of fair shares drops the mail of others.
+ *
+ * Only ordinary mail that waits is dropped: never what is in flight, held for a time, or a
+ * directive.
+ */
+
+enum boxroom {
+    BOXROOM_FITS,
+    BOXROOM_DROP, /* another mail has to go first; then ask again */
+    BOXROOM_FULL,
+    BOXROOM_OVER_SHARE
+};
+
+/**
+ * Says whether a mail may be put into a box.
+ *
+ * @param victim  out, with BOXROOM_DROP: the post that has to go
+ */
+enum boxroom boxroom_ask(struct mailbox *m, uint32_t agent, const struct mail *mail,
+                         uint32_t *victim);
+
+/* --- receipts.c ------------------------------------------------------------------------------ */
+
+/* What senders are still to be told of their mails. */
+
+/* Receipts that wait for one sender; a sender is bound to have fewer mails unanswered. */
+enum { RECEIPTS_EACH_MAX = 2 * MU_OUTBOX_MAX };
+
+struct receipt {
+    uint64_t first_seq, last_seq;
+    muster_Outcome result;
+    uint32_t next;
+};
+
+struct receipt_queue {
+    bool begun;
+    uint32_t head, tail, count;
+};
+
+struct receipts {
+    struct receipt *pool; /* MU_MAILS_MAX of them */
+    uint32_t used;        /* high-water mark */
+    uint32_t free;
+    struct receipt_queue *queues; /* one for each agent of the registry */
+    uint64_t lost;                /* receipts that were not told, for want of room */
+};
+
+void receipts_init(struct receipts *r, uint32_t agents);
+
+/**
+ * Adds an outcome; it joins the sender's last one if that is its neighbour and the same.
+ *
+ * Where there is no room a receipt is lost, and counted: the sender's oldest, or this one.  Who
+ * waits for it sends its mail again, and is told then.
+ */
+void receipts_add(struct receipts *r, uint32_t agent, uint64_t first_seq, uint64_t last_seq,
+                  muster_Outcome result);
+
+/** @return the agent's queue */
+const struct receipt_queue *receipts_of(struct receipts *r, uint32_t agent);
+
+/** Removes the oldest count receipts of an agent. */
+void receipts_drop(struct receipts *r, uint32_t agent, uint32_t count);
+
+/* --- schedule.c ------------------------------------------------------------------------------ */
+
+/* Mails in order of a time: when they are due, or when they expire. */
+
+struct schedule {
+    struct mail **heap; /* SHARE_MAILS_MAX of them: a mail stands here once */
+    uint32_t count;
+    enum schedule_kind kind;
+};
+
+void schedule_init(struct schedule *s, enum schedule_kind kind);
+
+/** Enters a mail for m->at_ns of this kind; equal times go by m->order. */
+void schedule_add(struct schedule *s, struct mail *m);
+
+/** Takes a mail out, if it is in. */
+void schedule_remove(struct schedule *s, struct mail *m);
+
+/** @return the earliest mail, or NULL */
+struct mail *schedule_first(const struct schedule *s);
+
+/* --- ages.c ---------------------------------------------------------------------------------- */
+
+/* Mails that wait in boxes, in the order in which they came: the oldest is always at hand. */
+
+struct ages {
+    struct mail *oldest, *newest;
+};
+
+/** A mail waits from now on; mail_ns is the mail clock's time and never less than the last. */
+void ages_add(struct ages *a, struct mail *m, uint64_t mail_ns);
+
+/** It waits no more. */
+void ages_remove(struct ages *a, struct mail *m);
+
+/** @return how long the oldest has waited; 0 when none waits */
+uint64_t ages_oldest_ns(const struct ages *a, uint64_t mail_ns);
+
+#endif

@@ -1,0 +1,263 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What an earlier life of the broker has left on disk.  A file is no better than the network: all
+ * of it is checked. */
+#include "broker/control/broker.h"
+
+#include "broker/control/parts.h"
+#include "broker/control/step.h"
+#include "broker/membership/membership.h"
+#include "core/hash.h"
+#include "core/name.h"
+#include "core/text.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+static const uint64_t RETRY_NS = 1000000000;
+
+/* --- and how that went ------------------------------------------------------------------------ */
+
+static void mails_committed(struct broker *b)
+{
+    struct journal *j = &b->journal;
+    struct mail *next = NULL;
+    for (struct mail *m = j->first; m; m = next) {
+        next = m->journal_next;
+        m->journal_listed = false;
+        m->journal_written = true;
+        if (m->unsettled > 0) {
+            settle_stored(b, m);
+        }
+        store_release(&b->store, m);
+    }
+    j->first = j->last = NULL;
+}
+
+/* @return whether somebody may have it already: that is not to be undone */
+static bool mail_is_out(const struct broker *b, const struct mail *m)
+{
+    uint32_t post = m->posts;
+    while (post != MU_NONE && b->mailbox.posts[post].list != POST_FLIGHT) {
+        post = b->mailbox.posts[post].sibling_next;
+    }
+    return post != MU_NONE;
+}
+
+/* It needs no disk, until the next durable mail of its sender. */
+static void ram_leave(struct broker *b, struct mail *m)
+{
+    struct agent *a = &b->registry.agents[m->sender];
+    a->ram_behind = true;
+    a->durable_order = 0;
+    m->row = 0;
+}
+
+/* New mails are not taken after all; what is on disk already, or under way, stays marked. */
+static void mails_failed(struct broker *b)
+{
+    struct journal *j = &b->journal;
+    struct mail *m = j->first, *next = NULL;
+    j->first = j->last = NULL;
+    for (; m; m = next) {
+        next = m->journal_next;
+        m->journal_listed = false;
+        if (m->journal_written || mail_is_out(b, m)) {
+            journal_mark(j, m);
+        } else if (m->unsettled > 0) {
+            journal_remove(j, m);
+            m->row = 0;
+            m->letter.level == muster_LEVEL_RAM ? ram_leave(b, m) : settle_undo(b, m);
+        }
+        store_release(&b->store, m);
+    }
+}
+
+static void marks_clear(struct broker *b)
+{
+    struct journal *j = &b->journal;
+    while (j->agents_count > 0) {
+        b->registry.agents[j->agents[--j->agents_count]].unsaved = false;
+    }
+    for (int i = 0; i < JOURNAL_LINE_KINDS; i++) {
+        struct journal_slots *s = &j->slots[i];
+        s->reset = false;
+        while (s->count > 0) {
+            s->is_marked[s->marked[--s->count]] = false;
+        }
+    }
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
+        b->depot.capsules[i].unsaved = false;
+    }
+    j->run_wall_ns = journal_run_wall_ns(b);
+}
+
+void durable_committed(struct broker *b, bool ok, uint64_t now_ns)
+{
+    struct journal *j = &b->journal;
+    bool failed_before = j->failing;
+    j->failing = !ok;
+    if (ok) {
+        j->commits++;
+        for (uint32_t i = 0; i < b->registry.count && failed_before; i++) {
+            tenants_wake(&b->registry, &b->places, i); /* more may be handed out */
+        }
+        mails_committed(b);
+        marks_clear(b);
+    } else {
+        j->failures++;
+        j->retry_ns = now_ns > UINT64_MAX - RETRY_NS ? UINT64_MAX : now_ns + RETRY_NS;
+        mails_failed(b);
+    }
+}
+
+/* @return whether a number of mails is one that processes take: the upper half is none */
+static bool is_count(uint64_t number)
+{
+    return number <= INT64_MAX;
+}
+
+static bool restore_agent(struct broker *b, const struct journal_entry *e)
+{
+    bool good = border_string(e->name, MU_NAME_MAX) && mu_name_valid(e->name) &&
+                border_kind_word(e->agent_kind) && strcmp(e->name, "broker") != 0 &&
+                is_count(e->durable_seq) && is_count(e->failed_seq) && is_count(e->reserved_seq);
+    uint32_t agent = good ? registry_find(&b->registry, e->name) : MU_NONE;
+    if (good && agent == MU_NONE) {
+        agent = registry_add(&b->registry, e->name);
+    }
+    if (agent == MU_NONE) {
+        return false;
+    }
+    struct agent *a = &b->registry.agents[agent];
+    a->is.kind = a->saved_kind = e->agent_kind;
+    a->since_wall_ns = b->wall_ns;
+    names_hold(b, agent);
+    if (a->process == MU_NONE) {
+        settle_await(b, agent);
+    }
+    a->durable_seq = e->durable_seq;
+    a->failed_seq = e->failed_seq;
+    a->earlier_seq = a->reserved_seq = e->reserved_seq;
+    registry_touch(&b->registry, agent);
+    return true;
+}
+
+/* @return the agent of a name that stands in a mail, entered if need be; or MU_NONE */
+static uint32_t agent_named(struct broker *b, const char *name)
+{
+    struct journal_entry e = {.name = name};
+    uint32_t agent = border_string(name, MU_NAME_MAX) ? registry_find(&b->registry, name) : MU_NONE;
+    if (agent == MU_NONE && restore_agent(b, &e)) {
+        agent = registry_find(&b->registry, name);
+    }
+    return agent == REGISTRY_BROKER ? MU_NONE : agent;
+}
+
+static uint64_t left_ns(const struct broker *b, const struct journal_entry *e)
+{
+    uint64_t wall_ns = runclock_wall_ns(b);
+    if (e->expires_wall_ns == 0) {
+        return UINT64_MAX;
+    }
+    return e->expires_wall_ns > wall_ns ? e->expires_wall_ns - wall_ns : 0;
+}
+
+/* Takes note of what was certain of its end, that stands behind a slash.
+ * @return the names before it; NULL: there is no such end */
+static const char *waiting_read(struct broker *b, struct mail *m, const char *waiting)
+{
+    const char *slash = strchr(waiting, '/');
+    if (!slash) {
+        return waiting;
+    }
+    struct mu_text t;
+    mu_text_init(&t, b->journal.text, JOURNAL_WAITING_BYTES);
+    mu_text_add_bytes(&t, waiting, (size_t)(slash - waiting));
+    return store_mail_go_on(m, slash + 1) ? t.at : NULL;
+}
+
+static bool restore_mail(struct broker *b, const struct journal_entry *e)
+{
+    struct journal *j = &b->journal;
+    if (e->row == 0 || e->row > JOURNAL_NUMBER_MAX) {
+        return false;
+    }
+    j->rows = e->row > j->rows ? e->row : j->rows; /* taken, whatever becomes of it */
+    uint32_t sender = agent_named(b, e->letter.src);
+    if (sender == MU_NONE || !border_mail(&e->letter) || e->letter.seq == 0 ||
+        !is_count(e->letter.seq) || !border_string(e->waiting, JOURNAL_WAITING_BYTES - 1) ||
+        (e->letter.hops == 0 && journal_find(j, sender, e->letter.seq))) {
+        return false;
+    }
+    muster_Mail letter = e->letter;
+    letter.again = true;
+    struct mail *m = store_put(&b->store, &letter);
+    if (!m) {
+        journal_failed(b, sender, &letter);
+        return false;
+    }
+    m->sender = m->payer = sender;
+    m->row = e->row;
+    m->journal_written = true;
+    const char *waiting = waiting_read(b, m, e->waiting);
+    if (!posting_restore(b, m, waiting ? waiting : "", left_ns(b, e))) {
+        journal_failed(b, sender, &letter);
+        return false;
+    }
+    journal_enter(j, m);
+    struct agent *a = &b->registry.agents[sender];
+    if (letter.hops == 0 && letter.seq > a->durable_seq) {
+        a->durable_seq = letter.seq;
+    }
+    return true;
+}
+
+static bool restore_line(struct broker *b, const struct journal_entry *e)
+{
+    const struct journal_line *l = &e->line;
+    if ((unsigned)e->lines >= JOURNAL_LINE_KINDS || !b->journal.slots[e->lines].source) {
+        return false;
+    }
+    struct journal_slots *s = &b->journal.slots[e->lines];
+    bool taken =
+        border_string(l->key, MU_NAME_MAX) && mu_name_valid(l->key) &&
+        border_string(l->agent, MU_NAME_MAX) && (l->agent[0] == '\0' || mu_name_valid(l->agent)) &&
+        border_string(l->attributes, MU_ATTRIBUTES_MAX) && border_string(l->origin, MU_FIELD_MAX) &&
+        l->stamp_ns <= JOURNAL_NUMBER_MAX && s->source->restore(b, l);
+    s->reset = s->reset || taken;
+    return taken;
+}
+
+/* A run that went on by the wall has gone on. */
+static bool restore_clock(struct broker *b, const struct journal_entry *e)
+{
+    uint64_t wall_ns = runclock_wall_ns(b);
+    if (e->run_wall_ns == 0 || e->run_wall_ns > wall_ns) {
+        return false;
+    }
+    runclock_start(&b->clock, false, wall_ns - e->run_wall_ns);
+    b->journal.run_wall_ns = e->run_wall_ns;
+    return true;
+}
+
+static bool restore_capsule(struct broker *b, const struct journal_entry *e)
+{
+    uint32_t agent = agent_named(b, e->name);
+    return agent != MU_NONE && e->epoch <= JOURNAL_NUMBER_MAX && e->capsule &&
+           snapshots_restore(b, agent, e->epoch, e->capsule);
+}
+
+bool durable_restore(struct broker *b, const struct journal_entry *entry)
+{
+    switch (entry->kind) {
+    case JOURNAL_AGENT: return restore_agent(b, entry);
+    case JOURNAL_MAIL: return restore_mail(b, entry);
+    case JOURNAL_LINE: return restore_line(b, entry);
+    case JOURNAL_CLOCK: return restore_clock(b, entry);
+    case JOURNAL_CAPSULE: return restore_capsule(b, entry);
+    case JOURNAL_WAITING:
+    case JOURNAL_GONE:
+    case JOURNAL_RESET: break;
+    }
+    return false;
+}

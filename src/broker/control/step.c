@@ -1,0 +1,442 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/control/broker.h"
+
+#include "broker/control/parts.h"
+#include "broker/control/step.h"
+#include "broker/membership/membership.h"
+#include "core/address.h"
+#include "core/sort.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+/* --- the end of a step ------------------------------------------------------------------------ */
+
+static void acks_apply(struct broker *b)
+{
+    for (uint32_t i = 0; i < b->lockstep.active_count; i++) {
+        uint32_t agent = b->lockstep.active[i];
+        struct turn *turn = &b->lockstep.turns[agent];
+        if (turn->has_ack) {
+            turn->has_ack = false;
+            settle_acknowledge(b, agent, turn->ack);
+        }
+    }
+}
+
+static void states_apply(struct broker *b)
+{
+    for (uint32_t i = 0; i < b->lockstep.active_count; i++) {
+        uint32_t agent = b->lockstep.active[i];
+        struct turn *turn = &b->lockstep.turns[agent];
+        if (!turn->has_state) {
+            continue;
+        }
+        turn->has_state = false;
+        if (b->registry.agents[agent].process == MU_NONE) {
+            continue;
+        }
+        if (turn->state == muster_STATE_ABSENT) {
+            lifecycle_depart(b, agent);
+        } else {
+            lifecycle_set_state(b, agent, turn->state);
+        }
+    }
+}
+
+static void mails_apply(struct broker *b)
+{
+    for (uint32_t i = 0; i < b->lockstep.active_count; i++) {
+        struct turn *turn = &b->lockstep.turns[b->lockstep.active[i]];
+        for (struct mail *m = barrier_pop(&turn->mails); m; m = barrier_pop(&turn->mails)) {
+            (void)router_route(b, m);
+        }
+    }
+}
+
+static void outside_take(struct broker *b, struct turn *turn)
+{
+    struct lockstep *l = &b->lockstep;
+    struct mail *m = barrier_pop(&turn->outside);
+    barrier_count_outside(l, m, UINT32_MAX); /* one less */
+    struct share_use less = {.mails = 1, .bytes = store_bytes(m)};
+    share_subtract(&turn->outside_use, &less);
+    share_subtract(&l->outside_use, &less);
+    store_keep(m);
+    if (router_route(b, m)) {
+        l->told[l->told_count++] = m;
+    } else {
+        store_release(&b->store, m);
+    }
+}
+
+/* Those that have room go in order of (sender, number), as a recording is put in again. */
+static void outside_apply(struct broker *b)
+{
+    struct lockstep *l = &b->lockstep;
+    uint32_t share = barrier_outside_share(l), spare = barrier_outside_spare(l, share);
+    for (uint32_t i = 0; i < l->active_count && l->outside_waiting > 0; i++) {
+        struct turn *turn = &l->turns[l->active[i]];
+        uint32_t left = share;
+        while (turn->outside.first && left + spare > 0 && l->told_count < LOCKSTEP_OUTSIDE_MAX) {
+            outside_take(b, turn);
+            *(left > 0 ? &left : &spare) -= 1;
+        }
+    }
+}
+
+void step_keep_replay(struct broker *b, struct mail *m)
+{
+    if (b->replays.count == SHARE_MAILS_MAX) {
+        settle_turn_away(b, m);
+        return;
+    }
+    m->at_ns[SCHEDULE_DUE] = (uint64_t)m->letter.due_ns;
+    m->order = ++b->orders;
+    schedule_add(&b->replays, m);
+    outcome_stored(b, m);
+}
+
+/* The run that they are of is over. */
+static void replays_drop(struct broker *b)
+{
+    for (struct mail *m; (m = schedule_first(&b->replays));) {
+        schedule_remove(&b->replays, m);
+        settle_drop(b, m);
+    }
+}
+
+/* What came in with this step when it was recorded comes in with it again. */
+static void replays_keep(struct broker *b, uint64_t run_ns)
+{
+    for (struct mail *m = schedule_first(&b->replays); m && m->at_ns[SCHEDULE_DUE] <= run_ns;
+         m = schedule_first(&b->replays)) {
+        schedule_remove(&b->replays, m);
+        if (!barrier_keep(b, m, true)) {
+            settle_turn_away(b, m);
+        }
+    }
+}
+
+static void step_apply(struct broker *b)
+{
+    b->lockstep.applying = true;
+    replays_keep(b, runclock_run_ns(&b->clock));
+    barrier_order_turns(b);
+    acks_apply(b);
+    settle_expire(b, runclock_mail_ns(&b->clock));
+    notify_expire(b, runclock_mail_ns(&b->clock));
+    states_apply(b);
+    mails_apply(b);
+    outside_apply(b);
+    router_resolve_expire(b, runclock_mail_ns(&b->clock));
+    barrier_close_turns(&b->lockstep);
+    settle_admit_due(b, runclock_run_ns(&b->clock));
+    b->lockstep.applying = false;
+}
+
+static uint64_t step_time_ns(const struct lockstep *l, int64_t step)
+{
+    return (uint64_t)step * l->step_ns;
+}
+
+/* Everything of the step takes effect, and the next step begins. */
+static void step_end(struct broker *b)
+{
+    struct lockstep *l = &b->lockstep;
+    runclock_step(&b->clock, step_time_ns(l, l->step + 1));
+    step_apply(b);
+    l->step++;
+    l->answered = 0;
+    for (uint32_t i = 0; i < l->roster_count; i++) {
+        b->places.at[l->roster[i]].answered = false;
+    }
+    l->awaits_moves = true;
+    if (!transfer_step_ended(b)) {
+        barrier_release(b);
+    }
+}
+
+static bool step_is_complete(const struct lockstep *l)
+{
+    return l->roster_count > 0 && l->answered == l->roster_count && !l->held;
+}
+
+void step_answered(struct broker *b, uint32_t place)
+{
+    struct lockstep *l = &b->lockstep;
+    b->places.at[place].answered = true;
+    l->answered++;
+    if (step_is_complete(l)) {
+        step_end(b);
+    }
+}
+
+/* --- the roster ------------------------------------------------------------------------------- */
+
+static void place_enter(struct broker *b, uint32_t place)
+{
+    struct place *at = &b->places.at[place];
+    at->rostered = true;
+    at->answered = false;
+    at->step_due = false;
+    at->step_had = INT64_MIN;
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        mailbox_unwatch(&b->mailbox, agent);
+        tenants_wake(&b->registry, &b->places, agent); /* its mail may have waited for this */
+    }
+}
+
+/* The lock step lets go of a process; it has what it owes, or nobody wants that any more. */
+static void place_leave(struct broker *b, uint32_t place)
+{
+    struct place *at = &b->places.at[place];
+    at->rostered = false;
+    at->answered = false;
+    at->step_due = false;
+    view_forget_told(at); /* it was not shown all */
+    at->roll_call_due = at->roll_call_due || at->overruled;
+    at->overruled = false;
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
+        tenants_wake(&b->registry, &b->places, agent);
+        if (b->lockstep.on) { /* those who stay are not shown its services any more */
+            notify_presence(b, agent);
+        }
+    }
+    lifecycle_settle(b, place);
+    places_wake(&b->places, place);
+    places_tidy(&b->places, place);
+}
+
+/* None of what an expelled process has done in this step takes effect. */
+static void turns_drop(struct broker *b, uint32_t place)
+{
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        struct turn *turn = &b->lockstep.turns[agent];
+        turn->has_ack = turn->has_state = false;
+        struct mail *m = barrier_pop(&turn->mails);
+        if (m && m->letter.seq <= b->registry.agents[agent].seen_seq) {
+            b->registry.agents[agent].seen_seq = m->letter.seq - 1; /* it was never said */
+        }
+        for (; m; m = barrier_pop(&turn->mails)) {
+            settle_drop(b, m);
+        }
+    }
+}
+
+static bool roster_names(const muster_Roster *roster, const struct place *at)
+{
+    for (uint32_t i = 0; i < roster->processes._length; i++) {
+        if (strcmp(roster->processes._buffer[i], at->name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void tenants_let_go(struct broker *b, uint32_t place)
+{
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        b->registry.agents[agent].let_go = true;
+    }
+}
+
+/* Lets go of the processes that a new roster does not name. */
+static void roster_shrink(struct broker *b, const muster_Roster *roster)
+{
+    struct lockstep *l = &b->lockstep;
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < l->roster_count; i++) {
+        uint32_t place = l->roster[i];
+        if (roster_names(roster, &b->places.at[place])) {
+            l->roster[kept++] = place;
+            continue;
+        }
+        l->answered -= b->places.at[place].answered;
+        if (roster->held) {
+            tenants_let_go(b, place);
+        }
+        turns_drop(b, place);
+        place_leave(b, place);
+    }
+    l->roster_count = kept;
+}
+
+/* The others have not been told of these agents while they were outside. */
+static void lines_tell(struct broker *b, uint32_t place)
+{
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        registry_touch(&b->registry, agent);
+        notify_enter(b, agent);
+    }
+}
+
+/* Takes in the processes that a new roster names. */
+static void roster_grow(struct broker *b, const muster_Roster *roster, bool in_mid_run)
+{
+    struct lockstep *l = &b->lockstep;
+    for (uint32_t i = 0; i < roster->processes._length; i++) {
+        uint32_t place = places_get(&b->places, roster->processes._buffer[i]);
+        if (place == MU_NONE) {
+            b->counters.malformed++;
+        } else if (!b->places.at[place].rostered) {
+            place_enter(b, place);
+            l->roster[l->roster_count++] = place;
+            if (in_mid_run) {
+                lines_tell(b, place);
+            }
+        }
+    }
+}
+
+/* Whoever's mail waited for a process that was to come gets it. */
+static void lockstep_hold(struct broker *b, bool held)
+{
+    bool ends = b->lockstep.held && !held;
+    b->lockstep.held = held;
+    for (uint32_t agent = 0; ends && agent < b->registry.count; agent++) {
+        if (!names_in_lockstep(b, agent)) {
+            tenants_wake(&b->registry, &b->places, agent);
+        }
+    }
+}
+
+/* What comes from now on comes by the clock. */
+static void counters_keep(struct broker *b)
+{
+    const struct broker_counters *c = &b->counters;
+    b->lockstep_end =
+        (muster_LockstepEnd){.ended = b->lockstep_end.ended + 1,
+                             .sent = c->sent,
+                             .delivered = c->delivered,
+                             .waiting = c->waiting,
+                             .expired = c->expired,
+                             .refused = c->box_full + c->over_share + c->unknown_name + c->refused +
+                                        c->dropped + c->no_store};
+}
+
+static void lockstep_end(struct broker *b)
+{
+    struct lockstep *l = &b->lockstep;
+    counters_keep(b);
+    l->awaits_moves = false;
+    transfer_lockstep_over(b);
+    do { /* nothing that was admitted is lost */
+        barrier_told(b);
+        step_apply(b);
+    } while (l->outside_waiting > 0);
+    barrier_told(b);
+    l->on = false;
+    lockstep_hold(b, false);
+    replays_drop(b);
+    uint32_t count = l->roster_count, simulator = l->simulator;
+    l->roster_count = l->answered = 0;
+    l->simulator = MU_NONE;
+    b->places.at[simulator].simulator = false;
+    b->places.at[simulator].step_due = false;
+    for (uint32_t i = 0; i < count; i++) {
+        b->places.at[l->roster[i]].version_had =
+            0; /* and of those outside, it has missed changes */
+        place_leave(b, l->roster[i]);
+    }
+    notify_thaw(b);
+    places_wake(&b->places, simulator);
+    places_tidy(&b->places, simulator);
+}
+
+/* What an earlier run did with names is nothing to the next. */
+static void run_forget(struct broker *b)
+{
+    for (uint32_t agent = 0; agent < b->registry.count; agent++) {
+        b->registry.agents[agent].let_go = false;
+        b->registry.agents[agent].passed = false;
+        b->registry.agents[agent].left = MU_NONE;
+    }
+}
+
+static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32_t simulator)
+{
+    struct lockstep *l = &b->lockstep;
+    run_forget(b);
+    router_resolve_give_up(b);
+    l->on = true;
+    l->held = roster->held;
+    l->step = roster->step;
+    l->step_ns = roster->step_ns;
+    l->simulator = simulator;
+    b->places.at[simulator].simulator = true;
+    b->places.at[simulator].step_had = INT64_MIN;
+    roster_grow(b, roster, false);
+    runclock_start(&b->clock, true, step_time_ns(l, l->step));
+    settle_admit_due(b, runclock_run_ns(&b->clock));
+    l->version = l->start_version = b->registry.changes.version;
+    for (uint32_t i = 0; i < l->roster_count; i++) {
+        b->places.at[l->roster[i]].version_had = 0; /* the whole pages, as of now */
+        view_forget_told(&b->places.at[l->roster[i]]);
+    }
+    notify_freeze(b);
+}
+
+/* A run that goes on with other processes, from this step or the next. */
+static void lockstep_change(struct broker *b, const muster_Roster *roster)
+{
+    struct lockstep *l = &b->lockstep;
+    lockstep_hold(b, roster->held);
+    roster_shrink(b, roster);
+    roster_grow(b, roster, true);
+    if (roster->step > l->step || step_is_complete(l)) {
+        step_end(b);
+    }
+}
+
+/* Each process gets the Delivery before the current step, and gets it once. */
+static void deliveries_owe(struct broker *b)
+{
+    struct lockstep *l = &b->lockstep;
+    for (uint32_t i = 0; i <= l->roster_count; i++) {
+        uint32_t place = i < l->roster_count ? l->roster[i] : l->simulator;
+        if (b->places.at[place].step_had != l->step - 1) {
+            barrier_owe_delivery(b, place);
+        }
+    }
+}
+
+void step_set_roster(struct broker *b, const muster_Roster *roster)
+{
+    struct lockstep *l = &b->lockstep;
+    bool same = l->on && strcmp(b->places.at[l->simulator].name, roster->simulator) == 0;
+    if (!roster->lockstep) {
+        if (same) {
+            lockstep_end(b);
+        }
+        if (!l->on) {
+            uint64_t steps = roster->step > 0 ? (uint64_t)roster->step : 0;
+            runclock_start(&b->clock, false, steps * roster->step_ns);
+        }
+        return;
+    }
+    /* The simulator may not have heard yet that the step before has ended. */
+    bool goes_on = same && roster->step_ns == l->step_ns && roster->step >= l->step - 1 &&
+                   roster->step <= l->step + 1;
+    if (goes_on) {
+        lockstep_change(b, roster);
+    } else {
+        uint32_t simulator = places_get(&b->places, roster->simulator);
+        if (simulator == MU_NONE) {
+            b->counters.malformed++;
+            return;
+        }
+        if (l->on) {
+            lockstep_end(b);
+            simulator = places_get(&b->places, roster->simulator); /* it may have been let go */
+        }
+        lockstep_start(b, roster, simulator);
+    }
+    deliveries_owe(b);
+}

@@ -1,0 +1,355 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/delivery/delivery.h"
+
+#include "broker/control/parts.h"
+#include "core/sort.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+static uint64_t interval_steps(const struct broker *b)
+{
+    uint64_t step_ns = b->lockstep.step_ns;
+    return b->courier.interval_ns / step_ns + (b->courier.interval_ns % step_ns > 0);
+}
+
+bool compose_is_awake(const struct broker *b, bool lockstep)
+{
+    if (b->courier.interval_ns == 0 || !lockstep) {
+        return b->courier.interval_ns == 0 || b->courier.awake;
+    }
+    return (uint64_t)b->lockstep.step % interval_steps(b) == 0;
+}
+
+/* @return how much longer a mail has waited than it had without an interval, at most */
+static uint64_t mail_delay_ns(const struct broker *b, const struct mail *m)
+{
+    uint64_t now_ns = runclock_mail_ns(&b->clock), since_ns = b->courier.slept_ns;
+    if (b->courier.open_lockstep) {
+        uint64_t round_ns = interval_steps(b) * b->lockstep.step_ns;
+        since_ns = now_ns > round_ns ? now_ns - round_ns : 0;
+    }
+    since_ns = since_ns > m->came_ns ? since_ns : m->came_ns;
+    return m->letter.layer > 0 && now_ns > since_ns ? now_ns - since_ns : 0;
+}
+
+/* @return what is left of its time to live, for the next broker on its way */
+static uint64_t ttl_left_ns(const struct broker *b, const struct mail *m)
+{
+    uint64_t mail_ns = runclock_mail_ns(&b->clock), at_ns = m->at_ns[SCHEDULE_EXPIRY];
+    if (at_ns == 0 || !b->places.at[b->courier.open].is_broker) {
+        return m->letter.ttl_ns;
+    }
+    return at_ns > mail_ns ? at_ns - mail_ns : 1;
+}
+
+/* @return whether all that may go to the agent now had room */
+static bool parcels_fill(struct broker *b, struct courier_part *part, struct courier_room *room,
+                         muster_Delivery *d)
+{
+    uint32_t agent = part->agent;
+    if (!mailbox_is_begun(&b->mailbox, agent) || barrier_awaits(b, agent)) {
+        return true;
+    }
+    struct box *box = mailbox_box(&b->mailbox, agent);
+    enum mailbox_gate gate = names_gate(b, agent);
+    bool awake = compose_is_awake(b, b->courier.open_lockstep);
+    mailbox_hand_out(&b->mailbox, agent, awake || gate < GATE_URGENT ? gate : GATE_URGENT,
+                     journal_room(b, agent));
+    uint64_t number = box->acked + box->written;
+    uint32_t i = box->out;
+    for (; i != MU_NONE && room->parcels > 0; i = mailbox_next(&b->mailbox, i)) {
+        const struct mail *m = b->mailbox.posts[i].mail;
+        if (m->bytes > room->bytes) { /* the content of the largest mail fits an empty Delivery */
+            room->parcels = 0;
+            break;
+        }
+        room->bytes -= m->bytes;
+        room->parcels--;
+        part->parcels++;
+        if (b->courier.interval_ns > 0 && !b->mailbox.posts[i].sent) {
+            b->courier.open_delay_ns += mail_delay_ns(b, m);
+        }
+        muster_Parcel *parcel = &d->parcels._buffer[d->parcels._length++];
+        *parcel = (muster_Parcel){.box = b->registry.agents[agent].name,
+                                  .number = number + part->parcels,
+                                  .letter = m->letter};
+        parcel->letter.again = m->letter.again || b->mailbox.posts[i].sent;
+        parcel->letter.ttl_ns = ttl_left_ns(b, m);
+    }
+    return i == MU_NONE && (awake || gate < GATE_OPEN);
+}
+
+static uint32_t receipts_fill(struct broker *b, uint32_t agent, muster_Delivery *d)
+{
+    const struct receipt_queue *q = receipts_of(&b->receipts, agent);
+    uint32_t count = 0;
+    for (uint32_t i = q->head; i != MU_NONE && d->receipts._length < COURIER_RECEIPTS;
+         i = b->receipts.pool[i].next) {
+        const struct receipt *r = &b->receipts.pool[i];
+        d->receipts._buffer[d->receipts._length++] =
+            (muster_Receipt){.agent = b->registry.agents[agent].name,
+                             .first_seq = r->first_seq,
+                             .last_seq = r->last_seq,
+                             .result = r->result};
+        count++;
+    }
+    return count;
+}
+
+/* @return what a verdict says of numbers: the last mail of the agent, for its process; what has
+ * been had from its box, for another broker */
+static uint64_t verdict_number(struct broker *b, uint32_t agent)
+{
+    return b->places.at[b->courier.open].is_broker ? mailbox_box(&b->mailbox, agent)->acked
+                                                   : remote_begin_seq(b, agent);
+}
+
+static void welcome_add(struct broker *b, struct courier_part *part, muster_Delivery *d)
+{
+    static char none[1];
+    struct agent *a = &b->registry.agents[part->agent];
+    part->verdict = a->verdict_due;
+    if (part->verdict) {
+        d->verdicts._buffer[d->verdicts._length++] =
+            (muster_Verdict){.agent = a->name,
+                             .accepted = true,
+                             .last_seq = verdict_number(b, part->agent),
+                             .broker_incarnation = b->incarnation,
+                             .reason = none};
+    }
+}
+
+static void refusals_fill(struct broker *b, struct place *at, muster_Delivery *d)
+{
+    for (uint32_t i = 0; i < at->refusals_count; i++) {
+        muster_Verdict *v = &d->verdicts._buffer[d->verdicts._length++];
+        *v = (muster_Verdict){.agent = at->refusals[i].name, .broker_incarnation = b->incarnation};
+        v->code = at->refusals[i].code;
+        v->reason = sample_text(at->refusals[i].reason);
+    }
+}
+
+/* In lock step the pages are of its members, those who have ended, too, and of who was there when
+ * it began: who else comes and goes does so by the wall clock.  Onlookers, who want no broadcasts,
+ * are not shown at all. */
+static bool line_is_shown(const struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    bool from_the_start =
+        changes_version(&b->registry.changes, agent) <= b->lockstep.start_version &&
+        !a->is.no_broadcasts && a->is.home[0] == '\0';
+    return !b->courier.open_lockstep || from_the_start || a->ended || names_in_lockstep(b, agent);
+}
+
+/* @return whether a step has changed a line since the last Delivery, and more was said of it since
+ */
+static bool line_is_of_step(const struct broker *b, uint32_t agent, uint64_t version_had)
+{
+    uint64_t version = b->registry.agents[agent].step_version;
+    return b->courier.open_lockstep && version > version_had && version <= b->courier.open_version;
+}
+
+static int member_compare(const void *x, const void *y, const void *context)
+{
+    (void)context;
+    const muster_Member *one = x, *other = y;
+    return strcmp(one->name, other->name);
+}
+
+/* Changes of the white pages since the last Delivery; in lock step, those of the last step. */
+static void members_fill(struct broker *b, const struct place *at, muster_Delivery *d)
+{
+    const struct changes *c = &b->registry.changes;
+    uint64_t upto = b->courier.open_version;
+    if (at->version_had >= upto || at->is_broker) { /* which is told by the announcement */
+        return;
+    }
+    /* With its first agent it learns which broker this is, and forgets what another one has told.
+     */
+    if (at->agents_count == 0 && !b->courier.open_lockstep) {
+        b->courier.open_version = at->version_had;
+        return;
+    }
+    for (uint32_t i = changes_after(c, at->version_had); i != MU_NONE; i = changes_next(c, i)) {
+        uint64_t version = changes_version(c, i);
+        if (version > upto && !line_is_of_step(b, i, at->version_had)) {
+            continue;
+        }
+        if (d->members._length == COURIER_MEMBERS) { /* the rest comes next time */
+            b->courier.open_version = version > upto ? upto : version - 1;
+            return;
+        }
+        if (line_is_shown(b, i)) {
+            registry_line(&b->registry, i, b->name, &d->members._buffer[d->members._length++]);
+        }
+    }
+}
+
+static void outside_fill(struct broker *b, muster_Delivery *d)
+{
+    for (uint32_t i = 0; i < b->lockstep.told_count; i++) {
+        d->outside._buffer[d->outside._length++] = b->lockstep.told[i]->letter;
+    }
+}
+
+static void delivery_begin(struct broker *b, const struct place *at, muster_Delivery *d)
+{
+    struct courier *c = &b->courier;
+    *d = (muster_Delivery){.broker = b->name,
+                           .broker_incarnation = b->incarnation,
+                           .step = muster_STEP_NOW,
+                           .roll_call = at->roll_call_due,
+                           .seat = at->seat,
+                           .serial = at->serial + 1};
+    d->process = sample_text(at->name);
+    d->parcels._buffer = c->parcels;
+    d->receipts._buffer = c->receipts;
+    d->verdicts._buffer = c->verdicts;
+    d->members._buffer = c->members;
+    d->outside._buffer = c->outside;
+}
+
+static void delivery_finish(muster_Delivery *d)
+{
+    d->parcels._maximum = d->parcels._length;
+    d->receipts._maximum = d->receipts._length;
+    d->verdicts._maximum = d->verdicts._length;
+    d->members._maximum = d->members._length;
+    d->outside._maximum = d->outside._length;
+}
+
+static int part_compare(const void *x, const void *y, const void *registry)
+{
+    const struct courier_part *one = x, *other = y;
+    const struct registry *r = registry;
+    return strcmp(r->agents[one->agent].name, r->agents[other->agent].name);
+}
+
+/* Takes agents out of the place's queue, and puts them in order of name. */
+static void parts_take(struct broker *b, uint32_t place)
+{
+    struct courier *c = &b->courier;
+    c->parts_count = 0;
+    uint32_t agent;
+    while (c->parts_count < COURIER_AGENTS &&
+           (agent = tenants_pop(&b->registry, &b->places, place)) != TENANTS_NONE) {
+        c->parts[c->parts_count++] = (struct courier_part){.agent = agent};
+    }
+    mu_sort(c->parts, c->parts_count, sizeof c->parts[0], part_compare, &b->registry);
+}
+
+static void parts_fill(struct broker *b, muster_Delivery *d)
+{
+    struct courier *c = &b->courier;
+    struct courier_room room = {.parcels = floods_room(b, c->open), .bytes = COURIER_BYTES};
+    for (uint32_t i = 0; i < c->parts_count; i++) {
+        struct courier_part *part = &c->parts[i];
+        if (c->open_lockstep) { /* each box has its own room: none can starve another */
+            uint32_t left = COURIER_PARCELS - d->parcels._length;
+            uint32_t most = MU_WINDOW_MAX + MAILBOX_RESERVE;
+            room = (struct courier_room){.parcels = left < most ? left : most,
+                                         .bytes = COURIER_BOX_BYTES};
+        }
+        part->passed_by = !parcels_fill(b, part, &room, d);
+        part->receipts = receipts_fill(b, part->agent, d);
+        part->passed_by |= part->receipts < receipts_of(&b->receipts, part->agent)->count;
+        welcome_add(b, part, d);
+    }
+}
+
+void compose_return_passed_by(struct broker *b)
+{
+    struct courier *c = &b->courier;
+    for (uint32_t i = 0; i < c->parts_count; i++) {
+        if (c->parts[i].passed_by) {
+            tenants_wake(&b->registry, &b->places, c->parts[i].agent);
+        }
+    }
+}
+
+void compose_return(struct broker *b, bool taken)
+{
+    struct courier *c = &b->courier;
+    compose_return_passed_by(b);
+    for (uint32_t i = 0; !taken && i < c->parts_count; i++) {
+        tenants_wake(&b->registry, &b->places, c->parts[i].agent);
+    }
+    for (uint32_t i = 0; taken && i < c->parts_count; i++) {
+        if (c->parts[i].parcels > 0) {
+            tenants_wake(&b->registry, &b->places, c->parts[i].agent);
+        }
+    }
+    c->parts_count = 0;
+}
+
+bool compose_fill(struct broker *b, uint32_t place, muster_Delivery *d)
+{
+    struct courier *c = &b->courier;
+    struct place *at = &b->places.at[place];
+    c->open_lockstep = at->rostered || at->simulator;
+    if (c->open_lockstep && (!at->step_due || b->lockstep.awaits_moves)) {
+        return false;
+    }
+    c->open_version = c->open_lockstep ? b->lockstep.version : b->registry.changes.version;
+    c->open_delay_ns = 0;
+    delivery_begin(b, at, d);
+    if (c->open_lockstep) {
+        d->step = b->lockstep.step - 1;
+    }
+    parts_take(b, place);
+    parts_fill(b, d);
+    refusals_fill(b, at, d);
+    members_fill(b, at, d);
+    if (c->open_lockstep) { /* in which order they changed depends on the wall clock */
+        mu_sort(c->members, d->members._length, sizeof c->members[0], member_compare, NULL);
+    }
+    view_fill(b, at, d);
+    if (at->simulator) {
+        outside_fill(b, d);
+    }
+    delivery_finish(d);
+    return c->open_lockstep || d->parcels._length || d->receipts._length || d->verdicts._length ||
+           d->members._length || d->memberships._length || d->offers._length || d->roll_call;
+}
+
+bool compose_fill_trip(struct broker *b, uint32_t place, muster_Delivery *d)
+{
+    struct courier *c = &b->courier;
+    c->open_trip = snapshots_next(b, place, &c->trip);
+    if (c->open_trip) {
+        delivery_begin(b, &b->places.at[place], d);
+        d->roll_call = false;
+        d->trips._buffer = &c->trip;
+        d->trips._length = d->trips._maximum = 1;
+    }
+    return c->open_trip;
+}
+
+bool compose_fill_glance(struct broker *b, uint32_t place, muster_Delivery *d)
+{
+    struct courier *c = &b->courier;
+    c->open_glance = glances_next(b, place, &c->glance);
+    if (c->open_glance) {
+        delivery_begin(b, &b->places.at[place], d);
+        d->roll_call = false;
+        d->serial = 0; /* it waits for nothing */
+        d->glances._buffer = &c->glance;
+        d->glances._length = d->glances._maximum = 1;
+    }
+    return c->open_glance;
+}
+
+void compose_end_word(struct broker *b)
+{
+    struct courier *c = &b->courier;
+    if (c->open_trip) {
+        b->places.at[c->open].serial++;
+        snapshots_sent(b);
+    } else {
+        glances_sent(b);
+    }
+    places_wake(&b->places, c->open);
+    c->open = MU_NONE;
+    c->open_trip = c->open_glance = false;
+}

@@ -1,0 +1,447 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file directory.h
+ * Groups, services and standing queries, who is shown them, and who may direct whom.
+ */
+#ifndef MUSTER_BROKER_DIRECTORY_H
+#define MUSTER_BROKER_DIRECTORY_H
+
+#include "broker/lockstep/lockstep.h"
+#include "core/attributes.h"
+#include "core/fault.h"
+#include "core/pairs.h"
+#include "muster/limits.h"
+#include "wire.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct broker;
+
+/* --- groups.c -------------------------------------------------------------------------------- */
+
+/*
+ * Who is a member of what: a bounded table of lines, one for each group and each of its members.
+ *
+ * A line says what was said last, by stamp, then by the broker's name: lines of several brokers can
+ * be merged in any order.  A line that says "no longer" stays, so that older word is known to be
+ * older and every process is told, until the table needs its place.
+ *
+ * Every change moves its line to the end of `changes`: that is where whoever keeps lines elsewhere
+ * (processes, a disk, other brokers) finds what is new, each by the version that it has had.
+ *
+ * In lock step there are two views.  What takes effect at the end of a step is seen by all; what
+ * is said by the wall clock, outside the run, is not seen inside, where each line stays as it was.
+ */
+
+/* When something was said, and to whom. */
+struct said {
+    uint64_t stamp_ns;  /* nanoseconds since 1970; in lock step, of the run */
+    const char *origin; /* the broker; at most MU_NAME_MAX bytes */
+    bool inside;        /* takes effect at the end of a step of the lock step */
+};
+
+struct group_line {
+    bool joined;        /* of the group's own line: it is there, even without members */
+    bool joined_inside; /* as it is seen in lock step */
+    uint64_t stamp_ns;
+    char origin[MU_NAME_MAX + 1];
+};
+
+struct groups {
+    struct mu_pairs pairs; /* (group, agent); the group's own line has no agent */
+    struct group_line *lines;
+    struct changes changes;
+    uint32_t count;                   /* groups that have lines */
+    uint32_t groups_now, members_now; /* of whom it holds, outside; for the counters */
+    uint64_t told; /* everybody has had the changes up to this version: see groups_full */
+};
+
+void groups_init(struct groups *g);
+
+/* Changes.  Names are checked here.  @return NULL, or why not: one word */
+
+const char *groups_create(struct groups *g, const char *group, const struct said *said);
+const char *groups_join(struct groups *g, const char *group, const char *agent,
+                        const struct said *said);
+const char *groups_leave(struct groups *g, const char *group, const char *agent,
+                         const struct said *said);
+
+/**
+ * Takes in a line of another broker, or one that was kept on a disk.
+ *
+ * @param inside  members of the lock step are to see it
+ * @return MU_OK; MU_EXISTS: a younger one, or this one, is there; MU_FULL; MU_MALFORMED
+ */
+mu_result groups_merge(struct groups *g, const muster_Membership *line, bool inside);
+
+/** @return whether a line may have to make room: set `told` before the next change */
+bool groups_full(const struct groups *g);
+
+/** A lock step begins: inside, everything is seen as it is now. */
+void groups_freeze(struct groups *g);
+
+/** An agent enters the lock step: its lines are seen there as they are now. */
+void groups_enter(struct groups *g, const char *agent);
+
+/** @return whether there is such a group */
+bool groups_exists(const struct groups *g, const char *group, bool inside);
+
+/** @return whether the agent is a member of the group */
+bool groups_has(const struct groups *g, const char *group, const char *agent, bool inside);
+
+/**
+ * Goes through the members of a group in order of name.
+ *
+ * @param place  0 at first; kept up to date
+ * @return the next member's name, or NULL
+ */
+const char *groups_member(const struct groups *g, const char *group, bool inside, uint32_t *place);
+
+/** Goes through the groups in order of name, likewise. */
+const char *groups_name(const struct groups *g, bool inside, uint32_t *place);
+
+/** Fills a line with pointers into the table. */
+void groups_line(const struct groups *g, uint32_t line, bool inside, muster_Membership *out);
+
+/* --- services.c ------------------------------------------------------------------------------ */
+
+/*
+ * The yellow pages: a bounded table of lines (service, agent), each with attributes and a lease.
+ *
+ * Last word, tombstones and changes are as in groups.h.  A lease counts on the mail clock, which
+ * in lock step is simulated; when it is over, the line is as if withdrawn.  Whether an offer is
+ * shown depends on its agent, too: that is the caller's to know.
+ */
+
+struct service_line {
+    bool offered;
+    uint64_t stamp_ns;
+    uint64_t lease_ns; /* from stamp_ns on; 0: until withdrawn */
+    uint64_t until_ns; /* mail clock; UINT64_MAX: until withdrawn */
+    char origin[MU_NAME_MAX + 1];
+    char attributes[MU_ATTRIBUTES_MAX + 1];
+};
+
+struct subscriptions;
+
+struct services {
+    struct mu_pairs pairs; /* (service, agent) */
+    struct service_line *lines;
+    struct mu_pairs by_agent; /* (agent, service) */
+    uint32_t *line_of;        /* by index of by_agent */
+    struct changes changes;
+    struct subscriptions *told_to; /* who has been told of lines; NULL: nobody */
+    uint32_t offers_now;           /* for the counters */
+    uint64_t soonest_ns;           /* no lease ends before this */
+    uint64_t told;                 /* as in groups.h */
+};
+
+/* What is offered. */
+struct offer {
+    const char *attributes;
+    uint64_t lease_ns;
+    uint64_t mail_ns; /* now */
+};
+
+void services_init(struct services *s);
+
+/** @return NULL, or why not: one word */
+const char *services_advertise(struct services *s, const char *service, const char *agent,
+                               const struct offer *offer, const struct said *said);
+const char *services_withdraw(struct services *s, const char *service, const char *agent,
+                              const struct said *said);
+
+/**
+ * Takes in a line of another broker, or from a disk.
+ *
+ * @param said     now: what is left of a lease is counted from its stamp to said->stamp_ns
+ * @param mail_ns  now
+ * @return MU_OK; MU_EXISTS: a younger one, or this one, is there; MU_FULL; MU_MALFORMED
+ */
+mu_result services_merge(struct services *s, const muster_Offer *line, const struct said *said,
+                         uint64_t mail_ns);
+
+/** @return whether a line may have to make room: set `told` before the next change */
+bool services_full(const struct services *s);
+
+/** Ends the leases that are over. */
+void services_expire(struct services *s, uint64_t mail_ns);
+
+/** Something else about an agent has changed: its lines are news to everybody. */
+void services_touch(struct services *s, const char *agent);
+
+/** Fills a line with pointers into the table; shown: the agent is there. */
+void services_line(const struct services *s, uint32_t line, bool shown, muster_Offer *out);
+
+/* --- subscriptions.c ------------------------------------------------------------------------- */
+
+/*
+ * Standing queries on services: who asked what, and which lines he has been told of.
+ *
+ * What a subscriber is told is the difference between what he has been told and what he would find
+ * now; so nothing is said twice, whatever it was that changed.
+ */
+
+/** A bit for each line of the services. */
+enum { SUBSCRIPTIONS_WORDS = (MU_SERVICES_MAX + 63) / 64 };
+
+struct subscription {
+    char agent[MU_NAME_MAX + 1];
+    char text[MU_QUERY_MAX + 1];
+    char in_reply_to[MU_FIELD_MAX + 1], conversation[MU_FIELD_MAX + 1]; /* of what he is sent */
+    struct mu_query query;
+    uint64_t told[SUBSCRIPTIONS_WORDS]; /* lines that he knows of */
+    uint64_t owed[SUBSCRIPTIONS_WORDS]; /* gone from his sight without a word */
+};
+
+struct subscriptions {
+    struct subscription *at; /* MU_SUBSCRIPTIONS_MAX of them */
+    uint32_t *order;         /* [0, count) in use, the oldest first; then those given back */
+    uint32_t count, used;
+};
+
+void subscriptions_init(struct subscriptions *s);
+
+/** @return the index-th in order of age; index < count */
+struct subscription *subscriptions_at(const struct subscriptions *s, uint32_t index);
+
+/** @return the index of an agent's query with that text, or MU_NONE */
+uint32_t subscriptions_find(const struct subscriptions *s, const char *agent, const char *text);
+
+/** @return a new one, told of nothing, last in order; NULL: full */
+struct subscription *subscriptions_add(struct subscriptions *s, const char *agent,
+                                       const char *text);
+
+void subscriptions_remove(struct subscriptions *s, uint32_t index);
+
+/** Notes whether a line is found now.  @return whether that is news */
+bool subscriptions_note(struct subscription *s, uint32_t line, bool found);
+
+/** Notes whether he is owed a word about a line.  @return whether he was */
+bool subscriptions_owe(struct subscription *s, uint32_t line, bool owed);
+
+/** Notes the lines that somebody was told are found, and has not heard otherwise of since. */
+void subscriptions_rest(const struct subscriptions *s, uint64_t lines[SUBSCRIPTIONS_WORDS]);
+
+/** A line of the services is no more; another one will have its index. */
+void subscriptions_forget(struct subscriptions *s, uint32_t line);
+
+/* --- view.c ---------------------------------------------------------------------------------- */
+
+/*
+ * Groups and services among the other parts of the broker: who is shown what, and who is told.
+ *
+ * A service is shown while its agent is not absent and its lease is not over.  To members of a lock
+ * step only services of members are shown, and groups as groups.h says: what others do by the wall
+ * clock changes nothing inside.
+ */
+
+struct place;
+
+/* Lines in one Delivery out of lock step; the others come in the next one. */
+enum { PAGES_MEMBERSHIPS = 4096, PAGES_OFFERS = 1024 };
+
+struct pages {
+    struct groups groups;
+    struct services services;
+    struct subscriptions subscriptions;
+    uint64_t groups_seen, services_seen; /* the versions that everybody was woken for */
+    uint64_t groups_open, services_open; /* the versions that the open Delivery leads to */
+    muster_Membership *memberships;      /* of the open Delivery */
+    muster_Offer *offers;
+    bool asked_inside; /* a policy asks because of a directive from inside the lock step */
+};
+
+void view_init(struct pages *p);
+
+/** @return whether the agent is in a lock step that is on */
+bool view_inside(const struct broker *b, uint32_t agent);
+
+/** @return whether a line of the services is shown, to members of the lock step or to others */
+bool view_shows(const struct broker *b, uint32_t line, bool inside);
+
+/** What is said now: its stamp, and whether it takes effect inside.  Call before each change. */
+struct said view_said(struct broker *b);
+
+/** @return when notify_expire is needed next, on the mail clock; UINT64_MAX: never */
+uint64_t view_deadline_mail_ns(const struct broker *b);
+
+/** A process is to be told everything again. */
+void view_forget_told(struct place *at);
+
+/** Adds to a Delivery what has changed since the last one. */
+void view_fill(struct broker *b, const struct place *at, muster_Delivery *d);
+
+/** @return whether there is nothing of it that a place has not been told */
+bool view_has_told(const struct broker *b, const struct place *at);
+
+/** @return the lease of a line as others are to have it, who count it from its stamp by the wall */
+uint64_t view_lease_ns(const struct broker *b, uint32_t line);
+
+/** The Delivery has gone out. */
+void view_delivered(struct broker *b, struct place *at);
+
+bool view_place_is_told(const struct place *at);
+
+/** @return whether there is somebody to ask about an address SCHEME:REST */
+bool view_has_resolver(const struct broker *b, const char *dst);
+
+/** @return who resolves an address, or MU_NONE */
+uint32_t view_resolver(const struct broker *b, const char *dst);
+
+/* --- trust.c --------------------------------------------------------------------------------- */
+
+/*
+ * The trust policy: whose directives are carried out.
+ *
+ * A policy is a list of lines, and the last one that fits a sender and a receiver decides:
+ *
+ *     allow WHO direct WHOM        # a comment
+ *     deny WHO direct WHOM
+ *
+ * WHO and WHOM are a name, all, robots, special, group:G or role:R.  When no line fits, the answer
+ * is no.  The name operator also stands for special agents named operator-N, which are consoles.
+ * Without a file it is as if there were these: allow observer direct all, allow operator
+ * direct all.
+ */
+
+enum trust_party_kind {
+    TRUST_NAME,
+    TRUST_ALL,
+    TRUST_ROBOTS,
+    TRUST_SPECIAL,
+    TRUST_GROUP,
+    TRUST_ROLE
+};
+
+/* One side of a line. */
+struct trust_party {
+    enum trust_party_kind kind;
+    char name[MU_NAME_MAX + 1]; /* of the agent, group or role */
+};
+
+struct trust_line {
+    bool allow;
+    struct trust_party who, whom;
+};
+
+/* What a line needs to know of others: asked when a directive comes, not when the file is read.  A
+ * question that is NULL is answered with no. */
+struct trust_pages {
+    void *self;
+    bool (*in_group)(void *self, const char *group, const char *agent);
+    bool (*has_role)(void *self, const char *role, const char *agent);
+};
+
+struct trust {
+    struct trust_line *lines; /* MU_TRUST_LINES_MAX of them */
+    uint32_t lines_count;
+    struct trust_pages pages;
+};
+
+/* An agent as a policy sees it. */
+struct trust_agent {
+    const char *name;
+    muster_Kind kind;
+};
+
+/** The policy that holds without a file. */
+void trust_init(struct trust *t);
+
+/**
+ * Replaces the policy by that of a file.
+ *
+ * @param text  the whole file, zero-terminated
+ * @param file  its name, for the fault
+ * @return MU_OK; MU_FAULT_FILE with line, column and what was expected: the policy is of no use
+ * then
+ */
+MU_MUST_USE mu_result trust_read(struct trust *t, const char *text, const char *file,
+                                 struct mu_fault *fault);
+
+/** @return whether a directive of who to whom is carried out */
+bool trust_allows(const struct trust *t, const struct trust_agent *who,
+                  const struct trust_agent *whom);
+
+/** @return whether some line lets who direct somebody: for a directive that nobody is there for */
+bool trust_allows_some(const struct trust *t, const struct trust_agent *who);
+
+/* --- audit.c --------------------------------------------------------------------------------- */
+
+/*
+ * The audit: a record of every directive, carried out or refused, until somebody writes it down.
+ *
+ * A directive to several receivers makes at most two records: one of those who get it, one of those
+ * for whom it is refused.
+ */
+
+enum { AUDIT_TEXT_MAX = 200, AUDIT_LINE_MAX = 4096 };
+
+struct audit_record {
+    bool simulated; /* time_ns is of the run; else since 1970 */
+    uint64_t time_ns;
+    char sender[MU_NAME_MAX + 1];
+    char process[MU_PROCESS_MAX + 1];
+    char receiver[AUDIT_TEXT_MAX + 1]; /* names joined by commas, cut */
+    uint32_t receivers;                /* how many; 0: the address fits nobody */
+    char performative[MU_FIELD_MAX + 1];
+    char line[AUDIT_TEXT_MAX + 1]; /* the directive's content, cut */
+    bool allowed;
+};
+
+struct audit {
+    struct audit_record *ring; /* MU_AUDIT_MAX of them; NULL: nothing is recorded */
+    uint32_t head, count;
+    uint64_t recorded;
+    uint64_t lost;   /* for want of room: nobody took the earlier ones */
+    uint64_t failed; /* that could not be written */
+};
+
+/** Takes the ring's memory, if anything is to be recorded. */
+void audit_init(struct audit *a, bool record);
+
+/** Makes room for one record.  @return the record, zeroed; NULL: nobody wants it, or it is lost */
+struct audit_record *audit_add(struct audit *a);
+
+/** Adds a receiver's name to a record. */
+void audit_receiver(struct audit_record *r, const char *name);
+
+/** Takes the oldest record.  @return false when there is none */
+bool audit_next(struct audit *a, struct audit_record *out);
+
+/** Writes a record as one line of JSON with its end.  @return its length in bytes */
+size_t audit_line(const struct audit_record *r, char line[AUDIT_LINE_MAX]);
+
+/* --- guard.c --------------------------------------------------------------------------------- */
+
+/* Whose directives go on to whom: asks the policy, counts, and keeps the audit. */
+
+/**
+ * Takes those out of a directive's receivers whom its sender may not direct.
+ *
+ * @param agents  whom it is for, count of them; those that stay keep their order
+ * @return for how many it is refused; 1 when it is for nobody, and its sender may direct nobody
+ */
+uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, uint32_t *count);
+
+/**
+ * Asks whether the sender of a mail may speak in another agent's name: whom the policy lets direct
+ * it may, and whoever lives in the same process.
+ *
+ * @param agent  MU_NONE: nobody whom the sender could know, who bears the name in receiver
+ */
+bool guard_speaks(struct broker *b, const struct mail *m, uint32_t agent, const char *receiver);
+
+/**
+ * Asks whether an agent may look at another one's mind: whom it may direct it may look at.
+ *
+ * @return false: nothing is counted or audited yet
+ */
+bool guard_glances(struct broker *b, uint32_t asker, uint32_t agent, const char *line);
+
+/** Policies may ask for groups and roles from now on. */
+void guard_attach(struct broker *b);
+
+#endif

@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/directory/directory.h"
+
+#include "broker/control/parts.h"
+#include "core/address.h"
+#include "core/attributes.h"
+#include "core/fields.h"
+#include "muster/memory.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void view_init(struct pages *p)
+{
+    *p = (struct pages){0};
+    groups_init(&p->groups);
+    services_init(&p->services);
+    subscriptions_init(&p->subscriptions);
+    p->services.told_to = &p->subscriptions;
+    /* In lock step one Delivery holds everything. */
+    p->memberships = mu_startup_array(MU_MEMBERSHIPS_MAX, sizeof *p->memberships);
+    p->offers = mu_startup_array(MU_SERVICES_MAX, sizeof *p->offers);
+}
+
+/* --- what is shown ---------------------------------------------------------------------------- */
+
+bool view_inside(const struct broker *b, uint32_t agent)
+{
+    return b->lockstep.on && names_in_lockstep(b, agent);
+}
+
+bool view_shows(const struct broker *b, uint32_t line, bool inside)
+{
+    const struct services *s = &b->pages.services;
+    if (!s->lines[line].offered) {
+        return false;
+    }
+    uint32_t agent = registry_find(&b->registry, mu_pairs_second(&s->pairs, line));
+    return agent != MU_NONE && b->registry.agents[agent].process != MU_NONE &&
+           (!inside || view_inside(b, agent));
+}
+
+bool view_place_is_told(const struct place *at)
+{
+    return at->used && at->matched && (at->agents_count > 0 || at->is_broker) && !at->simulator;
+}
+
+/* The versions that every process has had: what is older may be forgotten. */
+static void told_update(struct broker *b)
+{
+    struct pages *p = &b->pages;
+    p->groups.told = p->groups.changes.version;
+    p->services.told = p->services.changes.version;
+    for (uint32_t i = 0; i < b->places.top; i++) {
+        const struct place *at = &b->places.at[i];
+        if (view_place_is_told(at)) {
+            p->groups.told = at->groups_had < p->groups.told ? at->groups_had : p->groups.told;
+            p->services.told =
+                at->services_had < p->services.told ? at->services_had : p->services.told;
+        }
+    }
+}
+
+struct said view_said(struct broker *b)
+{
+    if (groups_full(&b->pages.groups) || services_full(&b->pages.services)) {
+        told_update(b);
+    }
+    return (struct said){
+        .stamp_ns = b->lockstep.on ? runclock_run_ns(&b->clock) : runclock_wall_ns(b),
+        .origin = b->name,
+        .inside = !b->lockstep.on || b->lockstep.applying,
+    };
+}
+
+uint64_t view_deadline_mail_ns(const struct broker *b)
+{
+    return b->pages.services.soonest_ns;
+}
+
+/* What was said in a lock step has a stamp of the run, and a lease that counts its time. */
+uint64_t view_lease_ns(const struct broker *b, uint32_t line)
+{
+    const struct service_line *l = &b->pages.services.lines[line];
+    uint64_t wall_ns = runclock_wall_ns(b), mail_ns = runclock_mail_ns(&b->clock);
+    if (l->lease_ns == 0 || l->until_ns == UINT64_MAX || !l->offered) {
+        return l->lease_ns;
+    }
+    uint64_t age_ns = wall_ns > l->stamp_ns ? wall_ns - l->stamp_ns : 0;
+    uint64_t left_ns = l->until_ns > mail_ns ? l->until_ns - mail_ns : 1;
+    return age_ns < INT64_MAX && left_ns < INT64_MAX - age_ns ? age_ns + left_ns : INT64_MAX;
+}
+
+/* --- deliveries ------------------------------------------------------------------------------- */
+
+void view_forget_told(struct place *at)
+{
+    at->groups_had = at->services_had = 0;
+}
+
+static void memberships_fill(struct broker *b, const struct place *at, muster_Delivery *d)
+{
+    struct pages *p = &b->pages;
+    const struct changes *c = &p->groups.changes;
+    uint32_t max = at->rostered ? MU_MEMBERSHIPS_MAX : PAGES_MEMBERSHIPS;
+    p->groups_open = at->groups_had;
+    for (uint32_t line = changes_after(c, at->groups_had);
+         line != MU_NONE && d->memberships._length < max; line = changes_next(c, line)) {
+        groups_line(&p->groups, line, at->rostered,
+                    &d->memberships._buffer[d->memberships._length++]);
+        p->groups_open = changes_version(c, line);
+    }
+}
+
+static void offers_fill(struct broker *b, const struct place *at, muster_Delivery *d)
+{
+    struct pages *p = &b->pages;
+    const struct changes *c = &p->services.changes;
+    uint32_t max = at->rostered ? MU_SERVICES_MAX : PAGES_OFFERS;
+    p->services_open = at->services_had;
+    for (uint32_t line = changes_after(c, at->services_had);
+         line != MU_NONE && d->offers._length < max; line = changes_next(c, line)) {
+        /* Another broker sees for itself whom it shows. */
+        muster_Offer *offer = &d->offers._buffer[d->offers._length++];
+        services_line(&p->services, line, at->is_broker || view_shows(b, line, at->rostered),
+                      offer);
+        offer->lease_ns = at->is_broker ? view_lease_ns(b, line) : offer->lease_ns;
+        p->services_open = changes_version(c, line);
+    }
+}
+
+void view_fill(struct broker *b, const struct place *at, muster_Delivery *d)
+{
+    struct pages *p = &b->pages;
+    d->memberships._buffer = p->memberships;
+    d->offers._buffer = p->offers;
+    p->groups_open = at->groups_had;
+    p->services_open = at->services_had;
+    if (view_place_is_told(at)) {
+        memberships_fill(b, at, d);
+        offers_fill(b, at, d);
+    }
+    d->memberships._maximum = d->memberships._length;
+    d->offers._maximum = d->offers._length;
+}
+
+bool view_has_told(const struct broker *b, const struct place *at)
+{
+    const struct pages *p = &b->pages;
+    return changes_after(&p->groups.changes, at->groups_had) == MU_NONE &&
+           changes_after(&p->services.changes, at->services_had) == MU_NONE;
+}
+
+void view_delivered(struct broker *b, struct place *at)
+{
+    at->groups_had = b->pages.groups_open;
+    at->services_had = b->pages.services_open;
+}
+
+uint32_t view_resolver(const struct broker *b, const char *dst)
+{
+    char text[MU_QUERY_MAX + 1];
+    struct mu_query query;
+    const struct services *s = &b->pages.services;
+    const struct mu_pairs *pairs = &s->pairs;
+    snprintf(text, sizeof text, "resolver scheme=%.*s", (int)strcspn(dst, ":"), dst);
+    if (mu_attributes_query(&query, text) != MU_OK) {
+        return MU_NONE;
+    }
+    uint32_t place = mu_pairs_start(pairs, "resolver"), line;
+    while ((line = mu_pairs_of(pairs, place++, "resolver")) != MU_NONE) {
+        uint32_t agent = registry_find(&b->registry, mu_pairs_second(pairs, line));
+        /* Who lives at another broker answers to that one. */
+        if (agent != MU_NONE && b->registry.agents[agent].is.home[0] == '\0' &&
+            mu_attributes_match(&query, "resolver", s->lines[line].attributes) &&
+            view_shows(b, line, b->lockstep.on)) {
+            return agent;
+        }
+    }
+    return MU_NONE;
+}
+
+bool view_has_resolver(const struct broker *b, const char *dst)
+{
+    return view_resolver(b, dst) != MU_NONE;
+}

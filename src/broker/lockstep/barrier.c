@@ -1,0 +1,235 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/lockstep/lockstep.h"
+
+#include "broker/control/parts.h"
+#include "core/address.h"
+#include "core/sort.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+/* Mails that wait for the end of a step, in bytes of the store: from inside, and from outside. */
+enum { OUTSIDE_BYTES = MU_STEP_BYTES_MAX / 4, STEP_BYTES = MU_STEP_BYTES_MAX - OUTSIDE_BYTES };
+
+void barrier_init(struct lockstep *l, uint32_t agents)
+{
+    *l = (struct lockstep){.simulator = MU_NONE};
+    l->turns = mu_startup_array(agents, sizeof *l->turns);
+    l->active = mu_startup_array(agents, sizeof *l->active);
+}
+
+/* --- collecting ------------------------------------------------------------------------------- */
+
+static void list_append(struct mail_list *list, struct mail *m)
+{
+    m->next = NULL;
+    if (list->last) {
+        list->last->next = m;
+    } else {
+        list->first = m;
+    }
+    list->last = m;
+    list->count++;
+}
+
+struct mail *barrier_pop(struct mail_list *list)
+{
+    struct mail *m = list->first;
+    if (m) {
+        list->first = m->next;
+        list->last = m->next ? list->last : NULL;
+        list->count--;
+    }
+    return m;
+}
+
+static struct turn *turn_open(struct lockstep *l, uint32_t agent)
+{
+    struct turn *turn = &l->turns[agent];
+    if (!turn->active) {
+        turn->active = true;
+        l->active[l->active_count++] = agent;
+    }
+    return turn;
+}
+
+void barrier_open_turn(struct lockstep *l)
+{
+    uint32_t each = STEP_BYTES / (l->roster_count > 0 ? l->roster_count : 1);
+    l->turn_bytes = each > STORE_RECORD_MAX ? each : STORE_RECORD_MAX;
+}
+
+static bool mail_is_durable(const struct mail *m)
+{
+    return m->letter.level != muster_LEVEL_RAM && m->letter.hops == 0;
+}
+
+static bool mail_is_for_many(const struct mail *m)
+{
+    bool is_for_names = mu_address_kind(m->letter.dst) == MU_ADDRESS_NAMES;
+    return m->only == MU_NONE && !(is_for_names && !strchr(m->letter.dst, ','));
+}
+
+/* @return whom a mail is for alone, or MU_NONE */
+static uint32_t mail_receiver(const struct broker *b, const struct mail *m)
+{
+    if (m->only != MU_NONE || mail_is_for_many(m)) {
+        return m->only;
+    }
+    return registry_find(&b->registry, m->letter.dst);
+}
+
+void barrier_count_outside(struct lockstep *l, const struct mail *m, uint32_t by)
+{
+    bool is_relayed = m->letter.hops > 0 && m->letter.level != muster_LEVEL_RAM;
+    l->outside_waiting += by;
+    l->turns[m->sender].many += mail_is_for_many(m) ? by : 0;
+    if (m->kept_for != MU_NONE) {
+        l->turns[m->kept_for].awaited += by;
+        l->turns[m->kept_for].relayed += is_relayed ? by : 0;
+    }
+}
+
+bool barrier_keep(struct broker *b, struct mail *m, bool from_outside)
+{
+    struct lockstep *l = &b->lockstep;
+    static const struct share_use most = {.mails = UINT32_MAX, .bytes = OUTSIDE_BYTES};
+    static const struct share_use least = {.mails = UINT32_MAX, .bytes = OUTSIDE_BYTES / 64};
+    struct turn *turn = turn_open(l, m->sender);
+    struct share_use want = {.mails = 1, .bytes = store_bytes(m)};
+    if (from_outside) {
+        if (share_ask(&turn->outside_use, &l->outside_use, &want, &most, &least) != SHARE_FITS) {
+            return false;
+        }
+        share_add(&turn->outside_use, &want);
+        share_add(&l->outside_use, &want);
+        m->kept_for = mail_receiver(b, m);
+        barrier_count_outside(l, m, 1);
+    } else if (want.bytes > l->turn_bytes) {
+        return false;
+    } else {
+        l->turn_bytes -= want.bytes;
+    }
+    list_append(from_outside ? &turn->outside : &turn->mails, m);
+    return true;
+}
+
+bool barrier_keeps_before(const struct broker *b, const struct mail *m, uint32_t receiver)
+{
+    const struct lockstep *l = &b->lockstep;
+    const struct turn *turn = &l->turns[m->sender];
+    bool may_overtake = l->turns[receiver].awaited > 0 || mail_is_durable(m);
+    return turn->many > 0 || (turn->outside.first && may_overtake);
+}
+
+bool barrier_keeps_relayed(const struct lockstep *l, uint32_t agent)
+{
+    return l->turns[agent].relayed > 0;
+}
+
+void barrier_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number)
+{
+    struct turn *turn = turn_open(l, agent);
+    if (!turn->has_ack || number > turn->ack) {
+        turn->ack = number;
+    }
+    turn->has_ack = true;
+}
+
+void barrier_keep_state(struct lockstep *l, uint32_t agent, muster_State state)
+{
+    struct turn *turn = turn_open(l, agent);
+    turn->has_state = true;
+    turn->state = state;
+}
+
+bool barrier_wants(const struct broker *b, uint32_t place, int64_t step)
+{
+    const struct place *at = &b->places.at[place];
+    return at->rostered && !at->answered && step == b->lockstep.step;
+}
+
+bool barrier_awaits(const struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    return b->lockstep.on && b->lockstep.held && a->is.kind == muster_KIND_ROBOT &&
+           !b->places.at[a->process].rostered;
+}
+
+static int agent_compare(const void *x, const void *y, const void *registry)
+{
+    const uint32_t *one = x, *other = y;
+    const struct registry *r = registry;
+    return strcmp(r->agents[*one].name, r->agents[*other].name);
+}
+
+void barrier_order_turns(struct broker *b)
+{
+    struct lockstep *l = &b->lockstep;
+    mu_sort(l->active, l->active_count, sizeof *l->active, agent_compare, &b->registry);
+}
+
+void barrier_close_turns(struct lockstep *l)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < l->active_count; i++) {
+        struct turn *turn = &l->turns[l->active[i]];
+        turn->active = turn->outside.first != NULL;
+        if (turn->active) {
+            l->active[kept++] = l->active[i];
+        }
+    }
+    l->active_count = kept;
+}
+
+uint32_t barrier_outside_share(const struct lockstep *l)
+{
+    uint32_t senders = 0;
+    for (uint32_t i = 0; i < l->active_count; i++) {
+        senders += l->turns[l->active[i]].outside.first != NULL;
+    }
+    return senders < LOCKSTEP_OUTSIDE_MAX ? LOCKSTEP_OUTSIDE_MAX / (senders + !senders) : 1;
+}
+
+uint32_t barrier_outside_spare(const struct lockstep *l, uint32_t share)
+{
+    uint32_t used = l->told_count;
+    for (uint32_t i = 0; i < l->active_count; i++) {
+        uint32_t count = l->turns[l->active[i]].outside.count;
+        used += count < share ? count : share;
+    }
+    return used < LOCKSTEP_OUTSIDE_MAX ? LOCKSTEP_OUTSIDE_MAX - used : 0;
+}
+
+void barrier_told(struct broker *b)
+{
+    struct lockstep *l = &b->lockstep;
+    while (l->told_count > 0) {
+        store_release(&b->store, l->told[--l->told_count]);
+    }
+}
+
+void barrier_owe_delivery(struct broker *b, uint32_t place)
+{
+    b->places.at[place].step_due = true;
+    places_wake(&b->places, place);
+}
+
+void barrier_release(struct broker *b)
+{
+    struct lockstep *l = &b->lockstep;
+    if (!l->awaits_moves) {
+        return;
+    }
+    l->awaits_moves = false;
+    l->version = b->registry.changes.version;
+    for (uint32_t i = 0; i < l->roster_count; i++) {
+        barrier_owe_delivery(b, l->roster[i]);
+    }
+    barrier_owe_delivery(b, l->simulator);
+}
+
+uint32_t barrier_missing(const struct lockstep *l)
+{
+    return l->on && l->roster_count > l->answered ? l->roster_count - l->answered : 1;
+}

@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file lockstep.h
+ * The barrier of a lock step: what is collected of a step before it takes effect.
+ */
+#ifndef MUSTER_BROKER_LOCKSTEP_H
+#define MUSTER_BROKER_LOCKSTEP_H
+
+#include "broker/names/names.h"
+
+struct broker;
+
+/* --- barrier.c ------------------------------------------------------------------------------- */
+
+/*
+ * The step barrier: what the processes of the roster do in a step is collected, and takes effect
+ * in one fixed order when the last of them has answered, whatever the order of arrival.
+ *
+ * The order: mails of a recording come in, acknowledgements, expiry of mail and leases, states,
+ * mails by (src, seq), mails from outside by (src, seq), addresses that nobody has resolved in
+ * time, mails that have become due.
+ * Only which mails from outside have arrived by then depends on the clock, and the simulator is
+ * told which.
+ */
+
+/* Mails from outside that take effect in one step; the others wait for the next one. */
+enum { LOCKSTEP_OUTSIDE_MAX = 1024 };
+
+struct mail_list {
+    struct mail *first, *last;
+    uint32_t count;
+};
+
+/* What is collected of one agent. */
+struct turn {
+    struct mail_list mails;   /* in order of seq */
+    struct mail_list outside; /* likewise: mails that did not come with an answer to the step */
+    struct share_use outside_use;
+    uint32_t many;    /* among the mails from outside: those that are not for one name */
+    uint32_t awaited; /* mails from outside for it alone, */
+    uint32_t relayed; /* and those of them that another broker still has on disk */
+    bool active;      /* in the list of those of whom anything was collected */
+    bool has_ack, has_state;
+    uint64_t ack;
+    muster_State state;
+};
+
+struct lockstep {
+    bool on;
+    bool applying;     /* a step is ending: what happens now happens in every run */
+    bool held;         /* the step does not end: a process of the roster is to come yet */
+    bool awaits_moves; /* the last step has no end yet: agents are on their way */
+    int64_t step;      /* whose Ups are collected */
+    uint64_t step_ns;
+    uint32_t simulator; /* its place */
+    uint32_t roster[MU_PROCESSES_MAX];
+    uint32_t roster_count;
+    uint32_t answered;
+    uint64_t start_version; /* of the white pages when it began */
+    uint64_t version;       /* of the white pages, when the last step ended */
+    struct turn *turns;     /* one for each agent of the registry */
+    uint32_t *active;       /* agents of whom something was collected */
+    uint32_t active_count;
+    uint32_t outside_waiting;
+    struct share_use outside_use; /* of mails from outside, until they take effect */
+    uint32_t turn_bytes;          /* what the Up that is being taken may still bring */
+    /* Mails from outside that took effect, in order, until the simulator has been told. */
+    struct mail *told[LOCKSTEP_OUTSIDE_MAX];
+    uint32_t told_count;
+};
+
+void barrier_init(struct lockstep *l, uint32_t agents);
+
+/** @return whether an Up of this process and step is to be collected now */
+bool barrier_wants(const struct broker *b, uint32_t place, int64_t step);
+
+/** @return whether this agent's process is not in the lock step yet, which is held for such ones:
+ * its mail waits for its first step */
+bool barrier_awaits(const struct broker *b, uint32_t agent);
+
+/** @return how many answers the step waits for; 1 when there is no lock step */
+uint32_t barrier_missing(const struct lockstep *l);
+
+/** An Up begins: what it may bring depends on the roster alone, not on what came before it. */
+void barrier_open_turn(struct lockstep *l);
+
+/**
+ * Keeps an admitted mail for the end of the step; what the store has room for is decided then.
+ *
+ * @return false: it does not fit into its process's part of MU_STEP_BYTES_MAX, or, from outside,
+ *         into its sender's share of a quarter of that
+ */
+bool barrier_keep(struct broker *b, struct mail *m, bool from_outside);
+
+/** @return whether mail for an agent waits here that is on another broker's disk alone */
+bool barrier_keeps_relayed(const struct lockstep *l, uint32_t agent);
+
+void barrier_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number);
+void barrier_keep_state(struct lockstep *l, uint32_t agent, muster_State state);
+
+/**
+ * @return whether mail of the same sender waits here that a mail to that agent must not overtake:
+ *         it is for many, or for that agent, which may have left the lock step since; or this one
+ *         is for the disk, which is to have what was sent before
+ */
+bool barrier_keeps_before(const struct broker *b, const struct mail *m, uint32_t receiver);
+
+/** No agent is on its way any more: the step that was held ends. */
+void barrier_release(struct broker *b);
+
+/** The simulator has been told of the mails from outside. */
+void barrier_told(struct broker *b);
+
+void barrier_owe_delivery(struct broker *b, uint32_t place);
+
+struct mail *barrier_pop(struct mail_list *list);
+
+/** Counts a mail from outside that is kept, or is kept no longer. */
+void barrier_count_outside(struct lockstep *l, const struct mail *m, uint32_t by);
+
+/** @return how many mails of one sender have room in a step if all who have some get as much */
+uint32_t barrier_outside_share(const struct lockstep *l);
+
+/** @return how many have room beyond the shares: of who comes first by name */
+uint32_t barrier_outside_spare(const struct lockstep *l, uint32_t share);
+
+/** The next step begins with those of whom something is left. */
+void barrier_close_turns(struct lockstep *l);
+
+/** Who was collected first depends on the clock; what takes effect first does not. */
+void barrier_order_turns(struct broker *b);
+
+#endif

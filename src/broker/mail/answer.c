@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/mail/mail.h"
+
+#include "broker/control/parts.h"
+#include "core/fields.h"
+#include "core/name.h"
+
+#include <string.h>
+
+/* Answers to others than members of the lock step count from here, so that a question from
+ * outside does not shift the numbers inside a run. */
+static const uint64_t OUTSIDE_ANSWERS = 1ull << 62;
+
+/* All brokers answer as `broker`, and some answers cross: each of several has so many numbers of
+ * its own. */
+static const uint64_t ANSWERS_EACH = 1ull << 40;
+
+static uint64_t outside_answers(const struct broker *b)
+{
+    return OUTSIDE_ANSWERS + (b->liaison.peers_count > 0 ? remote_lane(b) * ANSWERS_EACH : 0);
+}
+
+void answer_begin(struct broker *b, struct mu_text *t, const char *word)
+{
+    mu_text_init(t, b->text, sizeof b->text);
+    mu_text_add(t, word);
+}
+
+static void answer_post(struct broker *b, uint32_t own, uint32_t receiver, muster_Mail *m)
+{
+    bool inside = names_in_lockstep(b, receiver);
+    m->src = b->registry.agents[own].name;
+    m->dst = b->registry.agents[receiver].name;
+    m->layer = 2;
+    m->language = sample_text("");
+    m->due_ns = -1;
+    m->seq = (inside ? 0 : outside_answers(b)) + ++b->answers[inside ? 0 : 1];
+    posting_send(b, receiver, m);
+}
+
+void answer_reply(struct broker *b, uint32_t own, const struct mail *question,
+                  const char *performative, char *content)
+{
+    muster_Mail m = {.performative = sample_text(performative),
+                     .ontology = question->letter.ontology,
+                     .reply_with = sample_text(""),
+                     .in_reply_to = question->letter.reply_with,
+                     .conversation = question->letter.conversation,
+                     .content = content};
+    answer_post(b, own, question->sender, &m);
+}
+
+void answer_send(struct broker *b, const struct mail *question, const char *performative)
+{
+    answer_reply(b, REGISTRY_BROKER, question, performative, b->text);
+}
+
+void answer_inform(struct broker *b, uint32_t receiver, const char *in_reply_to,
+                   const char *conversation)
+{
+    muster_Mail m = {.performative = sample_text("inform"),
+                     .ontology = sample_text(""),
+                     .reply_with = sample_text(""),
+                     .in_reply_to = sample_text(in_reply_to),
+                     .conversation = sample_text(conversation),
+                     .content = b->text};
+    answer_post(b, REGISTRY_BROKER, receiver, &m);
+}
+
+void answer_ask(struct broker *b, uint32_t receiver, const char *performative,
+                const char *reply_with)
+{
+    muster_Mail m = {.performative = sample_text(performative),
+                     .ontology = sample_text(""),
+                     .reply_with = sample_text(reply_with),
+                     .in_reply_to = sample_text(""),
+                     .conversation = sample_text(""),
+                     .content = b->text};
+    answer_post(b, REGISTRY_BROKER, receiver, &m);
+}

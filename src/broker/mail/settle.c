@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/mail/mail.h"
+
+#include "broker/control/parts.h"
+#include "core/address.h"
+#include "core/hash.h"
+#include "core/text.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+/* Counts those whom a mail does not reach. */
+static void receivers_count(struct broker *b, const struct mail *m, struct audience *to)
+{
+    audience_of_mail(b, m, to);
+    b->counters.sent += to->count + to->unknown;
+    b->counters.unknown_name += to->unknown;
+}
+
+void settle_turn_away(struct broker *b, struct mail *m)
+{
+    struct audience to;
+    receivers_count(b, m, &to);
+    booking_refused(b, m, REGISTRY_BROKER, SHARE_OVER, to.count);
+    outcome_refuse(b, m, to.unknown, muster_OUTCOME_BOX_FULL);
+}
+
+void settle_drop(struct broker *b, struct mail *m)
+{
+    struct audience to;
+    receivers_count(b, m, &to);
+    b->counters.dropped += to.count;
+    outcome_refuse(b, m, 0, muster_OUTCOME_DROPPED);
+}
+
+void settle_admit_due(struct broker *b, uint64_t run_ns)
+{
+    struct mail *m;
+    while (b->clock.runs && (m = schedule_first(&b->due)) && m->at_ns[SCHEDULE_DUE] <= run_ns) {
+        schedule_remove(&b->due, m);
+        for (uint32_t post = m->posts; post != MU_NONE;
+             post = b->mailbox.posts[post].sibling_next) {
+            mailbox_admit(&b->mailbox, post);
+            tenants_wake(&b->registry, &b->places, b->mailbox.posts[post].agent);
+        }
+    }
+}
+
+/* --- its end ---------------------------------------------------------------------------------- */
+
+void settle_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
+{
+    if (!mailbox_number_valid(&b->mailbox, agent, number)) {
+        b->counters.malformed++;
+        return;
+    }
+    if (!mailbox_is_begun(&b->mailbox, agent)) {
+        return;
+    }
+    struct box *box = mailbox_box(&b->mailbox, agent);
+    if (number <= box->acked) {
+        return;
+    }
+    bool beyond = names_is_beyond(b, agent);
+    names_confirm(b, agent, number);
+    while (box->acked < number) {
+        struct mail *m = mailbox_pop(&b->mailbox, agent);
+        m->passed_on = m->passed_on || beyond;
+        journal_acknowledged(b, agent, m);
+        *(beyond ? &b->liaison.count.passed_on : &b->counters.delivered) += 1;
+        outcome_settle(b, m);
+    }
+    if (!names_is_paced(b, agent)) {
+        mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
+    }
+    tenants_wake(&b->registry, &b->places, agent);
+}
+
+void settle_expire(struct broker *b, uint64_t mail_ns)
+{
+    struct mail *m;
+    while ((m = schedule_first(&b->expiry)) && m->at_ns[SCHEDULE_EXPIRY] <= mail_ns) {
+        schedule_remove(&b->expiry, m);
+        uint32_t next = MU_NONE;
+        store_keep(m);
+        for (uint32_t post = m->posts; post != MU_NONE; post = next) {
+            next = b->mailbox.posts[post].sibling_next;
+            if (b->mailbox.posts[post].list != POST_FLIGHT) {
+                mailbox_withdraw(&b->mailbox, post);
+                b->counters.expired++;
+                m->expired = true;
+                outcome_settle(b, m);
+            }
+        }
+        store_release(&b->store, m);
+    }
+}
+
+void settle_stored(struct broker *b, struct mail *m)
+{
+    if (m->tell_stored && m->stored_ends_it) {
+        outcome_end(b, m, muster_OUTCOME_STORED);
+    } else if (m->tell_stored) {
+        outcome_stored(b, m);
+    }
+    m->tell_stored = false;
+}
+
+void settle_undo(struct broker *b, struct mail *m)
+{
+    uint32_t next = MU_NONE;
+    for (uint32_t post = m->posts; post != MU_NONE; post = next) {
+        next = b->mailbox.posts[post].sibling_next;
+        mailbox_withdraw(&b->mailbox, post);
+        b->counters.waiting--;
+        b->counters.no_store++;
+        m->unsettled--;
+        booking_give_back(b, m);
+    }
+    MU_ASSERT(m->unsettled == 0);
+    schedule_remove(&b->due, m);
+    schedule_remove(&b->expiry, m);
+    ages_remove(&b->ages, m);
+    outcome_end(b, m, muster_OUTCOME_NO_STORE);
+    store_release(&b->store, m);
+}
+
+/* So long the broker keeps receipts for senders of an earlier life of it, and for those who have
+ * fallen silent: they may come back. */
+static const uint64_t AWAIT_NS = 10000000000;
+
+uint64_t settle_deadline_ns(const struct broker *b)
+{
+    uint64_t retry_ns = b->journal.failing ? b->journal.retry_ns : UINT64_MAX;
+    return b->journal.awaits && b->journal.awaits_ns < retry_ns ? b->journal.awaits_ns : retry_ns;
+}
+
+static void await_until(struct journal *j, uint64_t until_ns)
+{
+    j->awaits_ns = j->awaits && j->awaits_ns < until_ns ? j->awaits_ns : until_ns;
+    j->awaits = true;
+}
+
+void settle_await(struct broker *b, uint32_t agent)
+{
+    b->registry.agents[agent].awaited = true;
+    if (b->clock.now_ns <= UINT64_MAX - AWAIT_NS) {
+        await_until(&b->journal, b->clock.now_ns + AWAIT_NS);
+    }
+}
+
+void settle_tick(struct broker *b)
+{
+    if (!b->journal.awaits || b->clock.now_ns < b->journal.awaits_ns) {
+        return;
+    }
+    b->journal.awaits = false;
+    uint64_t wall_ns = runclock_wall_ns(b);
+    for (uint32_t i = 0; i < b->registry.count; i++) {
+        struct agent *a = &b->registry.agents[i];
+        uint64_t absent_ns = wall_ns - a->since_wall_ns;
+        if (a->awaited && absent_ns < AWAIT_NS) {
+            await_until(&b->journal, b->clock.now_ns + (AWAIT_NS - absent_ns));
+        } else if (a->awaited) {
+            a->awaited = false;
+            receipts_drop(&b->receipts, i, receipts_of(&b->receipts, i)->count);
+        }
+    }
+}

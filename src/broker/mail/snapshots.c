@@ -1,0 +1,350 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/mail/mail.h"
+
+#include "broker/control/parts.h"
+#include "core/sort.h"
+#include "core/text.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+/* So long a host may be silent, with a lock step that waits for it, or with an agent that nobody
+ * else has: less than a simulator waits for anybody. */
+static const uint64_t HOST_NS = 3000000000;
+
+/* Who is gone by the network's word may have been slow only: a lock step waits for so long. */
+static const uint64_t LOSS_NS = 1000000000;
+
+void snapshots_init(struct depot *d)
+{
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
+        d->capsules[i].text = mu_startup_alloc(MU_CAPSULE_MAX);
+    }
+}
+
+static uint32_t capsule_find(const struct broker *b, uint32_t agent)
+{
+    const struct depot *d = &b->depot;
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && d->count > 0; i++) {
+        if (d->capsules[i].phase != DEPOT_FREE && d->capsules[i].agent == agent) {
+            return i;
+        }
+    }
+    return MU_NONE;
+}
+
+static struct depot_capsule *capsule_of(struct broker *b, uint32_t agent)
+{
+    uint32_t i = capsule_find(b, agent);
+    return i != MU_NONE ? &b->depot.capsules[i] : NULL;
+}
+
+/* --- words ------------------------------------------------------------------------------------ */
+
+/* To a process that is no more, or an arrival whose capsule has gone since. */
+static bool word_is_void(const struct broker *b, const struct depot_word *w)
+{
+    const struct place *at = &b->places.at[w->place];
+    const struct depot_capsule *c = &b->depot.capsules[w->capsule];
+    if (!at->used || strcmp(at->name, w->process) != 0) {
+        return true;
+    }
+    return w->word == muster_TRIP_ARRIVE &&
+           (c->phase != DEPOT_SENT || strcmp(c->name, w->name) != 0 || c->epoch != w->epoch);
+}
+
+static void word_remove(struct depot *d, uint32_t i)
+{
+    d->words_count--;
+    memmove(&d->words[i], &d->words[i + 1], (d->words_count - i) * sizeof d->words[0]);
+}
+
+static void words_tidy(struct broker *b)
+{
+    for (uint32_t i = b->depot.words_count; i > 0; i--) {
+        if (word_is_void(b, &b->depot.words[i - 1])) {
+            word_remove(&b->depot, i - 1);
+        }
+    }
+}
+
+void snapshots_say(struct broker *b, const struct depot_word *word)
+{
+    struct depot *d = &b->depot;
+    if (word->place == MU_NONE) {
+        return;
+    }
+    if (d->words_count == DEPOT_WORDS) {
+        words_tidy(b);
+    }
+    if (d->words_count == DEPOT_WORDS) {
+        d->lost++;
+        return;
+    }
+    struct depot_word *said = &d->words[d->words_count++];
+    *said = *word;
+    (void)mu_text_copy(said->process, sizeof said->process, b->places.at[word->place].name);
+    places_wake(&b->places, word->place);
+}
+
+void snapshots_tell(struct broker *b, const struct depot_capsule *c, uint32_t place,
+                    muster_TripWord say, const char *reason)
+{
+    struct depot_word word = {.place = place,
+                              .word = say,
+                              .asker = c->agent == MU_NONE ? c->asker : MU_NONE,
+                              .host = c->host,
+                              .at = c->target,
+                              .epoch = c->epoch,
+                              .capsule = (uint32_t)(c - b->depot.capsules)};
+    (void)mu_text_copy(word.name, sizeof word.name, c->name);
+    (void)mu_text_copy(word.reason, sizeof word.reason, reason);
+    snapshots_say(b, &word);
+}
+
+void snapshots_refuse_copy(struct broker *b, uint32_t place, const char *name, uint64_t epoch,
+                           const char *reason)
+{
+    struct depot_word word = {.place = place,
+                              .word = muster_TRIP_REFUSED,
+                              .asker = MU_NONE,
+                              .host = MU_NONE,
+                              .at = MU_NONE,
+                              .epoch = epoch};
+    (void)mu_text_copy(word.name, sizeof word.name, name);
+    (void)mu_text_copy(word.reason, sizeof word.reason, reason);
+    snapshots_say(b, &word);
+}
+
+bool snapshots_next(struct broker *b, uint32_t place, muster_Trip *out)
+{
+    struct depot *d = &b->depot;
+    uint32_t i = 0;
+    while (i < d->words_count && (d->words[i].place != place || word_is_void(b, &d->words[i]))) {
+        if (d->words[i].place == place) {
+            word_remove(d, i);
+        } else {
+            i++;
+        }
+    }
+    if (i == d->words_count) {
+        return false;
+    }
+    const struct depot_word *w = &d->words[i];
+    bool arrives = w->word == muster_TRIP_ARRIVE;
+    d->open = i;
+    *out = (muster_Trip){.word = w->word, .epoch = w->epoch};
+    out->agent = sample_text(w->name);
+    out->asker = sample_text(w->asker != MU_NONE ? b->registry.agents[w->asker].name : "");
+    out->host = sample_text(w->host != MU_NONE ? b->registry.agents[w->host].name : "");
+    out->process = sample_text(w->at != MU_NONE ? b->places.at[w->at].name : "");
+    out->reason = sample_text(w->reason);
+    out->text = sample_text(arrives ? d->capsules[w->capsule].text : "");
+    return true;
+}
+
+void snapshots_sent(struct broker *b)
+{
+    word_remove(&b->depot, b->depot.open);
+}
+
+/* --- keeping ---------------------------------------------------------------------------------- */
+
+void snapshots_drop(struct broker *b, struct depot_capsule *c)
+{
+    b->depot.holding -= c->holds;
+    b->depot.count--;
+    c->holds = false;
+    c->phase = DEPOT_FREE;
+    c->unsaved = b->journal.on && c->agent != MU_NONE; /* its line on disk goes */
+}
+
+/* @return a place for a capsule of that agent, first that of an older one whose line on disk is to
+ *         go; MU_NONE: for a new one's; NULL: there is none */
+static struct depot_capsule *capsule_take(struct broker *b, uint32_t agent)
+{
+    struct depot *d = &b->depot;
+    struct depot_capsule *room = NULL, *c = agent != MU_NONE ? capsule_of(b, agent) : NULL;
+    if (c) {
+        snapshots_drop(b, c);
+    }
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
+        struct depot_capsule *at = &d->capsules[i];
+        if (at->phase == DEPOT_FREE && at->unsaved && at->agent == agent) {
+            return at;
+        }
+        room = at->phase == DEPOT_FREE && !at->unsaved && !room ? at : room;
+    }
+    return room;
+}
+
+struct depot_capsule *snapshots_add(struct broker *b, uint32_t agent, const char *name,
+                                    uint64_t epoch, const char *text)
+{
+    struct depot_capsule *c = capsule_take(b, agent);
+    if (!c) {
+        return NULL;
+    }
+    *c = (struct depot_capsule){.phase = DEPOT_KEPT,
+                                .agent = agent,
+                                .asker = agent,
+                                .epoch = epoch,
+                                .source = MU_NONE,
+                                .target = MU_NONE,
+                                .host = MU_NONE,
+                                .unsaved = b->journal.on && agent != MU_NONE,
+                                .len = strlen(text),
+                                .text = c->text};
+    (void)mu_text_copy(c->name, sizeof c->name, name);
+    memcpy(c->text, text, c->len + 1);
+    b->depot.count++;
+    b->depot.kept++;
+    return c;
+}
+
+bool snapshots_restore(struct broker *b, uint32_t agent, uint64_t epoch, const char *text)
+{
+    size_t len = strnlen(text, MU_CAPSULE_MAX);
+    bool fits = len > 0 && len < MU_CAPSULE_MAX;
+    const char *name = b->registry.agents[agent].name;
+    struct depot_capsule *c = fits ? snapshots_add(b, agent, name, epoch, text) : NULL;
+    if (c) {
+        c->unsaved = false;
+    }
+    return c != NULL;
+}
+
+void snapshots_refuse(struct broker *b, struct depot_capsule *c, const char *reason)
+{
+    bool held = c->holds;
+    b->depot.refused++;
+    b->depot.holding -= held;
+    c->holds = false;
+    c->phase = DEPOT_KEPT;
+    snapshots_tell(b, c, c->source, muster_TRIP_REFUSED, reason);
+    if (c->agent == MU_NONE) {
+        snapshots_drop(b, c);
+    }
+}
+
+void snapshots_send(struct broker *b, struct depot_capsule *c)
+{
+    c->target = b->registry.agents[c->host].process;
+    c->phase = DEPOT_SENT;
+    c->until_ns = b->clock.now_ns + HOST_NS;
+    snapshots_tell(b, c, c->target, muster_TRIP_ARRIVE, "");
+}
+
+struct depot_capsule *snapshots_answered_by(struct broker *b, uint32_t place,
+                                            const muster_Trip *trip)
+{
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.count > 0; i++) {
+        struct depot_capsule *c = &b->depot.capsules[i];
+        if (c->phase == DEPOT_SENT && c->target == place && c->epoch == trip->epoch &&
+            strcmp(c->name, trip->agent) == 0) {
+            return c;
+        }
+    }
+    return NULL;
+}
+
+void snapshots_process_gone(struct broker *b, uint32_t place)
+{
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.count > 0; i++) {
+        struct depot_capsule *c = &b->depot.capsules[i];
+        if (c->phase != DEPOT_FREE && c->source == place) {
+            c->source = MU_NONE;
+        }
+        if (c->holds && c->target == place) {
+            uint64_t until_ns = b->clock.now_ns + LOSS_NS;
+            c->until_ns = c->until_ns < until_ns ? c->until_ns : until_ns;
+        } else if (c->phase == DEPOT_SENT && c->target == place) {
+            snapshots_refuse(b, c, "host-absent");
+        } else if (c->phase == DEPOT_KEPT && c->target == place) {
+            snapshots_tell(b, c, c->source, muster_TRIP_REFUSED,
+                           "host-absent"); /* it takes it back */
+            c->target = MU_NONE;
+        }
+    }
+}
+
+/* The agent lives at its target. */
+static void capsule_end(struct broker *b, struct depot_capsule *c)
+{
+    if (!c->seated) {
+        c->target = b->registry.agents[c->agent].process;
+        snapshots_tell(b, c, c->source, muster_TRIP_TAKEN, "");
+    }
+    snapshots_drop(b, c);
+}
+
+void snapshots_review(struct broker *b, uint32_t agent)
+{
+    struct depot_capsule *c = capsule_of(b, agent);
+    if (!c || c->holds) {
+        return;
+    }
+    const struct agent *a = &b->registry.agents[agent];
+    bool lives = a->process != MU_NONE && a->is.state != muster_STATE_MOVING;
+    bool elsewhere = a->process != c->source && a->is.epoch == c->epoch;
+    if (a->is.epoch > c->epoch) {
+        snapshots_drop(b, c);
+    } else if (lives && elsewhere && c->phase == DEPOT_KEPT && !(c->seated && b->lockstep.on)) {
+        capsule_end(b, c);
+    }
+}
+
+void snapshots_heard(struct broker *b, uint32_t agent, uint32_t place)
+{
+    struct depot_capsule *c = capsule_of(b, agent);
+    if (c && !c->holds && c->phase == DEPOT_KEPT && place != c->source) {
+        capsule_end(b, c);
+    }
+}
+
+/* @return whether this is late word of who has set out from there; behind a run, who has its name
+ * since another time is another one */
+static bool has_left(const struct broker *b, const struct agent *a, uint32_t seat,
+                     const struct presence *is)
+{
+    bool is_same = b->lockstep.on || is->since_wall_ns == a->left_wall_ns;
+    return a->left == seat && is->epoch < a->is.epoch && is_same;
+}
+
+bool snapshots_overrule(const struct broker *b, uint32_t agent, uint32_t place,
+                        const struct presence *is)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    const struct place *at = &b->places.at[place];
+    if ((a->passed && at->rostered) || has_left(b, a, at->seat, is)) {
+        return true;
+    }
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.holding > 0; i++) {
+        const struct depot_capsule *c = &b->depot.capsules[i];
+        if (c->holds && strcmp(c->name, a->name) == 0 && c->target == place) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool snapshots_keep(const struct broker *b, uint32_t agent)
+{
+    return capsule_find(b, agent) != MU_NONE;
+}
+
+bool snapshots_have_later(const struct broker *b, uint32_t agent, uint64_t epoch)
+{
+    uint32_t i = capsule_find(b, agent);
+    return i != MU_NONE && epoch > 0 && b->depot.capsules[i].epoch > epoch;
+}
+
+uint64_t snapshots_deadline_ns(const struct broker *b)
+{
+    uint64_t first_ns = UINT64_MAX;
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.holding > 0; i++) {
+        const struct depot_capsule *c = &b->depot.capsules[i];
+        first_ns = c->holds && c->until_ns < first_ns ? c->until_ns : first_ns;
+    }
+    return first_ns;
+}

@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/membership/membership.h"
+
+#include "broker/control/parts.h"
+#include "core/hash.h"
+#include "core/name.h"
+#include "core/text.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+/* --- coming and going --------------------------------------------------------------------------
+ */
+
+static void ways_lose(struct broker *b, struct peer *p)
+{
+    for (uint32_t i = REGISTRY_OWN; i < b->registry.count; i++) {
+        if (p->ways[i].present) {
+            remote_lose_way(b, p, i);
+            lifecycle_review(b, i);
+        }
+    }
+}
+
+void federation_lose(struct broker *b, uint32_t place)
+{
+    struct place *at = &b->places.at[place];
+    struct peer *p = remote_peer(b, remote_name(at->name));
+    at->lost = true;
+    if (p && p->there) {
+        ways_lose(b, p);
+        remote_set_there(b, p, false);
+    }
+    places_tidy(&b->places, place);
+}
+
+struct peer *federation_meet(struct broker *b, const char *name, uint64_t incarnation)
+{
+    struct peer *p = remote_peer(b, name);
+    p = p ? p : remote_add_peer(b, name);
+    if (!p || incarnation < p->incarnation) {
+        return NULL;
+    }
+    p->heard_ns = b->clock.now_ns;
+    if (incarnation > p->incarnation) {
+        ways_lose(b, p);
+        remote_forget_numbers(b, p);
+        p->incarnation = incarnation;
+    }
+    return p;
+}
+
+/* @return the place of a neighbour, or MU_NONE: there are too many processes */
+static uint32_t place_hear(struct broker *b, struct peer *p)
+{
+    uint32_t place = places_get(&b->places, p->place);
+    if (place == MU_NONE) {
+        return MU_NONE;
+    }
+    struct place *at = &b->places.at[place];
+    at->is_broker = true;
+    at->incarnation = p->incarnation;
+    if (!p->there || at->lost) { /* what it said while it was not heard */
+        at->roll_call_due = true;
+        places_wake(&b->places, place);
+    }
+    at->lost = false;
+    remote_set_there(b, p, true);
+    return place;
+}
+
+/* --- what a neighbour says ---------------------------------------------------------------------
+ */
+
+static bool entry_is_whole(const muster_Entry *e)
+{
+    return border_entry(e, true) && border_string(e->name, MU_NAME_MAX) &&
+           !registry_objection(e->name, e->kind) && border_string(e->via, MU_NAME_MAX) &&
+           border_string(e->host, MU_FIELD_MAX) &&
+           (e->state == muster_STATE_ABSENT || e->home[0] != '\0');
+}
+
+/* @return whether the neighbour tells us what it has from us */
+static bool entry_is_ours(const struct broker *b, const muster_Entry *e)
+{
+    return strcmp(e->home, b->name) == 0 || strcmp(e->via, b->name) == 0;
+}
+
+/* Its sender has left before the outcome of its mail came. */
+static void receipts_forget(struct broker *b, uint32_t agent)
+{
+    struct agent *a = &b->registry.agents[agent];
+    if (a->process == MU_NONE && a->awaited && !b->journal.awaits) {
+        a->awaited = false;
+        receipts_drop(&b->receipts, agent, receipts_of(&b->receipts, agent)->count);
+    }
+}
+
+static void entry_take(struct broker *b, struct peer *p, const muster_Entry *e, uint32_t slot)
+{
+    uint32_t agent = registry_find(&b->registry, e->name);
+    bool ours = entry_is_ours(b, e);
+    bool present = e->state != muster_STATE_ABSENT && !ours;
+    if (agent == MU_NONE) {
+        agent = registry_add(&b->registry, e->name);
+        if (agent == MU_NONE) {
+            return;
+        }
+        b->registry.agents[agent].is.kind = e->kind;
+        registry_touch(&b->registry, agent);
+    }
+    struct way *way = &p->ways[agent];
+    struct agent *a = &b->registry.agents[agent];
+    if (!ours && e->last_seq > a->elsewhere_seq && e->last_seq <= INT64_MAX / 2) {
+        a->elsewhere_seq = e->last_seq;
+    }
+    if (!present && !way->present) {
+        if (!ours) {
+            receipts_forget(b, agent);
+        }
+        return;
+    }
+    *way = (struct way){.present = present,
+                        .no_broadcasts = e->no_broadcasts,
+                        .kind = (uint8_t)e->kind,
+                        .state = (uint8_t)e->state,
+                        .hops = e->hops,
+                        .slot = slot,
+                        .pid = e->pid,
+                        .since_wall_ns = e->since_wall_ns,
+                        .busy_since_wall_ns = e->busy_since_wall_ns,
+                        .last_seq = e->last_seq};
+    (void)mu_text_copy(way->home, sizeof way->home, e->home);
+    (void)mu_text_copy(way->host, sizeof way->host, e->host);
+    (void)mu_text_copy(way->reason, sizeof way->reason, e->reason ? e->reason : "");
+    lifecycle_review(b, agent);
+}
+
+void federation_hear(struct broker *b, const muster_Registration *r)
+{
+    const char *name = remote_is_broker(r->process) ? remote_name(r->process) : NULL;
+    if (!r->is_broker || !name || !border_string(name, MU_NAME_MAX) || !mu_name_valid(name)) {
+        b->counters.malformed++;
+        return;
+    }
+    if (strcmp(name, b->name) == 0) {
+        return; /* our own */
+    }
+    struct peer *p = remote_peer(b, name);
+    if (p && r->incarnation < p->incarnation && remote_is_over(b, p)) {
+        remote_forget_numbers(b, p); /* a later life, whose clock has been set back */
+        p->incarnation = 0;
+    }
+    p = federation_meet(b, name, r->incarnation);
+    if (!p || place_hear(b, p) == MU_NONE) {
+        return;
+    }
+    for (uint32_t i = 0; i < r->agents._length; i++) {
+        const muster_Entry *e = &r->agents._buffer[i];
+        if (e->name[0] == '\0') {
+            continue;
+        }
+        if (entry_is_whole(e)) {
+            entry_take(b, p, e, r->part * MU_PART_AGENTS + i);
+        } else {
+            b->counters.malformed++;
+        }
+    }
+}

@@ -1,0 +1,362 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/membership/membership.h"
+
+#include "broker/control/parts.h"
+#include "core/hash.h"
+#include "core/name.h"
+#include "core/text.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+const char *lifecycle_holder(struct broker *b, uint32_t agent)
+{
+    const char *home = b->registry.agents[agent].is.home;
+    return home[0] ? remote_holder(b, home) : "held by another participant";
+}
+
+static struct claim claim_take(struct broker *b, uint32_t index)
+{
+    struct claim claim = b->claims.pool[index];
+    claims_drop(&b->claims, &b->registry.agents[claim.agent].claim, index);
+    b->places.at[claim.process].claims--;
+    return claim;
+}
+
+void lifecycle_end_claim(struct broker *b, uint32_t index)
+{
+    uint32_t place = claim_take(b, index).process;
+    places_tidy(&b->places, place);
+}
+
+/* A copy of an agent that has set out anew since, or has stayed after all.  Who never moved is
+ * another agent of that name. */
+static bool is_out_of_date(const struct presence *copy, const struct presence *now)
+{
+    return copy->epoch > 0 && copy->epoch < now->epoch;
+}
+
+static void claim_refuse(struct broker *b, uint32_t index, muster_Refusal code, const char *reason)
+{
+    const struct claim *claim = &b->claims.pool[index];
+    places_refuse(&b->places, claim->process, b->registry.agents[claim->agent].name, code, reason);
+    lifecycle_end_claim(b, index);
+}
+
+/* Its holder waits for the name no longer, and may have moved on from copies that do. */
+static void claims_review(struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    uint32_t behind = MU_NONE;
+    for (uint32_t i = a->claim; i != MU_NONE; i = behind) {
+        behind = b->claims.pool[i].behind;
+        if (b->claims.pool[i].process == a->process) {
+            lifecycle_end_claim(b, i);
+        } else if (is_out_of_date(&b->claims.pool[i].presence, &a->is)) {
+            claim_refuse(b, i, muster_REFUSAL_OUT_OF_DATE, "out of date");
+        }
+    }
+}
+
+/* All who wait for a name begin anew, in the order that they have. */
+static void claims_renew(struct broker *b, uint32_t agent)
+{
+    uint32_t *first = &b->registry.agents[agent].claim, count = 0;
+    for (uint32_t i = *first; i != MU_NONE; i = b->claims.pool[i].behind) {
+        count++;
+    }
+    for (; count > 0; count--) {
+        struct claim claim = b->claims.pool[*first];
+        claims_drop(&b->claims, first, *first);
+        claim.until_ns = names_hold_end_ns(b);
+        bool fits = claims_add(&b->claims, first, &claim);
+        MU_ASSERT(fits);
+    }
+}
+
+void lifecycle_claim(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
+                     const struct presence *is)
+{
+    struct agent *a = &b->registry.agents[agent];
+    const struct claim claim = {.agent = agent,
+                                .process = place,
+                                .slot = slot,
+                                .until_ns = names_hold_end_ns(b),
+                                .presence = *is};
+    uint32_t had = claims_find(&b->claims, a->claim, place);
+    if (is_out_of_date(is, &a->is)) {
+        places_refuse(&b->places, place, a->name, muster_REFUSAL_OUT_OF_DATE, "out of date");
+    } else if (had != MU_NONE) {
+        b->claims.pool[had].slot = slot;
+        b->claims.pool[had].presence = *is;
+    } else if (claims_add(&b->claims, &a->claim, &claim)) {
+        b->places.at[place].claims++;
+    } else {
+        places_refuse(&b->places, place, a->name, muster_REFUSAL_NAME_HELD,
+                      lifecycle_holder(b, agent));
+    }
+}
+
+bool lifecycle_is_copy(const struct agent *a, const struct presence *is)
+{
+    return is->epoch > 0 && is->epoch == a->is.epoch;
+}
+
+/* @return the claim of the place for which the last bearer has set out, or MU_NONE */
+static uint32_t copy_claim(const struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    uint32_t i = a->claim;
+    while (i != MU_NONE && !lifecycle_is_copy(a, &b->claims.pool[i].presence)) {
+        i = b->claims.pool[i].behind;
+    }
+    return i;
+}
+
+/* A name that nobody has any more goes to who waits for it, if a lock step lets it. */
+static void claims_grant(struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    while (a->process == MU_NONE && a->claim != MU_NONE) {
+        uint32_t copy = copy_claim(b, agent);
+        struct claim heir = claim_take(b, copy != MU_NONE ? copy : a->claim);
+        if (snapshots_overrule(b, agent, heir.process, &heir.presence)) {
+            b->places.at[heir.process].overruled = true;
+            places_tidy(&b->places, heir.process);
+        } else {
+            lifecycle_seat(b, agent, heir.process, heir.slot, &heir.presence);
+        }
+    }
+}
+
+void lifecycle_tick(struct broker *b)
+{
+    while (lifecycle_deadline_ns(b) <= b->clock.now_ns) {
+        uint32_t index = b->claims.first, agent = b->claims.pool[index].agent;
+        if (b->registry.agents[agent].process == MU_NONE) {
+            claims_grant(b, agent); /* whom the name was kept for has not come */
+        } else {
+            claim_refuse(b, index, muster_REFUSAL_NAME_HELD, lifecycle_holder(b, agent));
+        }
+    }
+}
+
+uint64_t lifecycle_deadline_ns(const struct broker *b)
+{
+    uint32_t first = b->claims.first;
+    return first != MU_NONE ? b->claims.pool[first].until_ns : UINT64_MAX;
+}
+
+/* The box obeys what its agent declares. */
+static void box_follow(struct broker *b, uint32_t agent, const struct presence *is)
+{
+    const struct presence *was = &b->registry.agents[agent].is;
+    if (is->full != was->full || is->box_mails != was->box_mails ||
+        is->box_bytes != was->box_bytes) {
+        uint32_t bytes = is->box_bytes < UINT32_MAX ? (uint32_t)is->box_bytes : UINT32_MAX;
+        mailbox_set_limits(&b->mailbox, agent, is->full, is->box_mails, bytes);
+    }
+}
+
+void lifecycle_tell_again(struct broker *b, uint32_t place)
+{
+    view_forget_told(&b->places.at[place]);
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
+         agent = tenants_next(&b->registry, &b->places, agent)) {
+        names_owe_verdict(b, agent);
+        mailbox_repeat(&b->mailbox, agent);
+        tenants_wake(&b->registry, &b->places, agent);
+    }
+    places_wake(&b->places, place);
+}
+
+/* What the agent has had in its box before is for its new process to have again. */
+void lifecycle_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
+                    const struct presence *is)
+{
+    tenants_add(&b->registry, &b->places, place, slot, agent);
+    places_accept(&b->places, place, b->registry.agents[agent].name);
+    box_follow(b, agent, is);
+    registry_seat(&b->registry, agent, place, b->places.at[place].name, is, runclock_wall_ns(b));
+    names_owe_verdict(b, agent);
+    journal_agent(b, agent);
+    mailbox_repeat(&b->mailbox, agent);
+    names_changed(b);
+    notify_presence(b, agent);
+    tenants_wake(&b->registry, &b->places, agent);
+    claims_review(b, agent);
+    snapshots_review(b, agent);
+}
+
+void lifecycle_move(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
+                    const struct presence *is)
+{
+    uint32_t from = b->registry.agents[agent].process;
+    tenants_remove(&b->registry, &b->places, agent);
+    mailbox_unwatch(&b->mailbox, agent);
+    b->registry.agents[agent].left = b->places.at[from].seat;
+    b->registry.agents[agent].left_wall_ns = b->registry.agents[agent].is.since_wall_ns;
+    b->registry.agents[agent].passed = true;
+    lifecycle_seat(b, agent, place, slot, is);
+    places_tidy(&b->places, from);
+}
+
+void lifecycle_depart(struct broker *b, uint32_t agent)
+{
+    struct agent *a = &b->registry.agents[agent];
+    uint32_t place = a->process;
+    tenants_remove(&b->registry, &b->places, agent);
+    registry_unseat(&b->registry, agent, runclock_wall_ns(b));
+    a->ended = b->lockstep.applying;
+    a->passed = a->ended;
+    mailbox_unwatch(&b->mailbox, agent);
+    mailbox_repeat(&b->mailbox, agent);
+    if (b->places.at[place].is_broker) {
+        a->awaited = true; /* it is only out of sight: what it is to be told waits */
+    } else if (b->places.at[place].lost && a->claim == MU_NONE) {
+        settle_await(b, agent);
+    } else {
+        receipts_drop(&b->receipts, agent, receipts_of(&b->receipts, agent)->count);
+    }
+    names_changed(b);
+    notify_presence(b, agent);
+    if (!b->lockstep.on && snapshots_keep(b, agent)) {
+        names_hold(b, agent);
+    }
+    if (names_is_held(b, agent) && copy_claim(b, agent) == MU_NONE) {
+        claims_renew(b, agent);
+    } else {
+        claims_grant(b, agent);
+    }
+    places_tidy(&b->places, place);
+    lifecycle_review(b, agent);
+}
+
+void lifecycle_set_state(struct broker *b, uint32_t agent, muster_State state)
+{
+    if (registry_set_state(&b->registry, agent, state, runclock_wall_ns(b))) {
+        names_changed(b);
+        tenants_wake(&b->registry, &b->places, agent);
+    }
+}
+
+/* What is said of it when a step has ended does not hide from the others what the step has changed.
+ */
+static void step_version_keep(struct broker *b, uint32_t agent)
+{
+    uint64_t version = changes_version(&b->registry.changes, agent);
+    if (names_in_lockstep(b, agent) && version <= b->lockstep.version) {
+        b->registry.agents[agent].step_version = version;
+    }
+}
+
+/* A registration from the process that has the name already. */
+void lifecycle_reregister(struct broker *b, uint32_t agent, uint32_t slot, struct presence *is)
+{
+    struct agent *a = &b->registry.agents[agent];
+    a->gone = false;
+    if (names_in_lockstep(b, agent)) {
+        is->state = a->is.state;
+    }
+    if (a->tenant.slot != slot) {
+        uint32_t place = a->process;
+        tenants_remove(&b->registry, &b->places, agent);
+        tenants_add(&b->registry, &b->places, place, slot, agent);
+        tenants_wake(&b->registry, &b->places, agent);
+    }
+    box_follow(b, agent, is);
+    step_version_keep(b, agent);
+    if (registry_update(&b->registry, agent, is, runclock_wall_ns(b))) {
+        journal_agent(b, agent);
+        names_changed(b);
+        tenants_wake(&b->registry, &b->places, agent);
+    }
+    claims_review(b, agent);
+    snapshots_review(b, agent);
+}
+
+void lifecycle_settle(struct broker *b, uint32_t place)
+{
+    uint32_t next = TENANTS_NONE;
+    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE; agent = next) {
+        next = tenants_next(&b->registry, &b->places, agent);
+        if (b->registry.agents[agent].gone) {
+            lifecycle_depart(b, agent);
+        } else {
+            lifecycle_review(b, agent);
+        }
+    }
+}
+
+/* An agent of this broker has to give its name to one that has had it longer. */
+static void clash_lose(struct broker *b, uint32_t agent, const struct way *way)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    b->liaison.count.clashes++;
+    places_refuse(&b->places, a->process, a->name, muster_REFUSAL_NAME_HELD,
+                  remote_holder(b, way->home));
+}
+
+static void way_use(struct broker *b, uint32_t agent, const struct peer *p)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    const struct way *way = &p->ways[agent];
+    uint32_t place = places_find(&b->places, p->place);
+    struct presence is = remote_presence(way);
+    if (place == MU_NONE) {
+        return;
+    }
+    if (a->process == MU_NONE) {
+        lifecycle_seat(b, agent, place, way->slot, &is);
+    } else if (a->process == place) {
+        lifecycle_reregister(b, agent, way->slot, &is);
+    } else {
+        lifecycle_move(b, agent, place, way->slot, &is);
+    }
+}
+
+/* @param echoes  ways that may be echoes will do, too, as for who has had no way for long enough */
+static void way_choose(struct broker *b, uint32_t agent, bool echoes)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    bool is_here = a->process != MU_NONE && !b->places.at[a->process].is_broker;
+    struct peer *p = remote_best_peer(b, agent);
+    const struct way *way = p ? &p->ways[agent] : NULL;
+    if (is_here) {
+        if (way && way->since_wall_ns < a->is.since_wall_ns && !names_in_lockstep(b, agent)) {
+            clash_lose(b, agent, way);
+            way_use(b, agent, p);
+        }
+        return;
+    }
+    bool same = p && a->process != MU_NONE && strcmp(a->place, p->place) == 0;
+    bool is_fresh = a->process == MU_NONE && !b->liaison.pausing[agent];
+    if (way && !echoes && !is_fresh && remote_may_be_echo(a, way, same)) {
+        way = NULL;
+    }
+    if (way) {
+        way_use(b, agent, p);
+    } else if (a->process != MU_NONE) {
+        remote_begin_pause(b, agent);
+        lifecycle_depart(b, agent);
+    }
+}
+
+void lifecycle_review(struct broker *b, uint32_t agent)
+{
+    if (b->liaison.peers_there > 0) {
+        way_choose(b, agent, false);
+    }
+}
+
+void lifecycle_tick_routes(struct broker *b)
+{
+    struct liaison *l = &b->liaison;
+    while (remote_deadline_ns(b) <= b->clock.now_ns) {
+        uint32_t agent = l->pauses[l->pauses_head].agent;
+        l->pauses_head = (l->pauses_head + 1) % REGISTRY_MAX;
+        l->pauses_count--;
+        l->pausing[agent] = false;
+        way_choose(b, agent, true);
+    }
+}

@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file membership.h
+ * Names come, move and go, here and beyond other brokers.
+ */
+#ifndef MUSTER_BROKER_MEMBERSHIP_H
+#define MUSTER_BROKER_MEMBERSHIP_H
+
+#include "broker/services/services.h"
+#include "wire.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct broker;
+
+/* --- lifecycle.c ----------------------------------------------------------------------------- */
+
+/** The agent is absent from now on; who waits for its name gets it. */
+void lifecycle_depart(struct broker *b, uint32_t agent);
+
+/** An agent that is nowhere moves into a slot of a place. */
+void lifecycle_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
+                    const struct presence *is);
+
+/** It goes from one place to another: what it has not acknowledged goes there again. */
+void lifecycle_move(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
+                    const struct presence *is);
+
+/** Its own place says something new of it. */
+void lifecycle_reregister(struct broker *b, uint32_t agent, uint32_t slot, struct presence *is);
+
+/** An agent's state changes, and with it perhaps what it may be handed. */
+void lifecycle_set_state(struct broker *b, uint32_t agent, muster_State state);
+
+/** The lock step has let go of a process: departures that it held up take place. */
+void lifecycle_settle(struct broker *b, uint32_t place);
+
+/** Who has waited long enough for a name is given it, if nobody has it, and else refused. */
+void lifecycle_tick(struct broker *b);
+
+/** @return when lifecycle_tick is needed next, or UINT64_MAX */
+uint64_t lifecycle_deadline_ns(const struct broker *b);
+
+/** Whoever reads for a place may have missed what was written: all that stands is told again. */
+void lifecycle_tell_again(struct broker *b, uint32_t place);
+
+/** Something about the agent has changed: its best way is looked for. */
+void lifecycle_review(struct broker *b, uint32_t agent);
+
+void lifecycle_tick_routes(struct broker *b);
+
+void lifecycle_end_claim(struct broker *b, uint32_t index);
+
+void lifecycle_claim(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
+                     const struct presence *is);
+
+/** @return who holds a name, as the reason of a refusal */
+const char *lifecycle_holder(struct broker *b, uint32_t agent);
+
+/** It is the last bearer itself, which has set out for there. */
+bool lifecycle_is_copy(const struct agent *a, const struct presence *is);
+
+/* --- registration.c -------------------------------------------------------------------------- */
+
+/* Who is there: registrations, claims on names, and departures. */
+
+/** Takes what a process says of one part of its agents. */
+void registration_take(struct broker *b, const muster_Registration *r);
+
+/** A process has taken back a part, or (crashed) nobody writes for it any more. */
+void registration_gone(struct broker *b, uint32_t place, uint32_t part, bool crashed);
+
+/* --- transfer.c ------------------------------------------------------------------------------ */
+
+/** Takes a word of a process.  @param in_step  it came with the process's answer to a step */
+void transfer_hear(struct broker *b, uint32_t place, const muster_Trip *trip, bool in_step);
+
+/** A step has taken effect.  @return whether its end has to wait for agents on their way */
+bool transfer_step_ended(struct broker *b);
+
+/** The lock step is over: who is on its way stays. */
+void transfer_lockstep_over(struct broker *b);
+
+/** Gives up hosts that are silent. */
+void transfer_tick(struct broker *b);
+
+/* --- federation.c ---------------------------------------------------------------------------- */
+
+/**
+ * A neighbour of this name and life speaks.
+ *
+ * @return it, entered if it is new; NULL: it is of an earlier life, or there are too many
+ */
+struct peer *federation_meet(struct broker *b, const char *name, uint64_t incarnation);
+
+/** Takes a part of what another broker announces. */
+void federation_hear(struct broker *b, const muster_Registration *r);
+
+/** Another broker is silent, or has left: nothing is known of who lives beyond it. */
+void federation_lose(struct broker *b, uint32_t place);
+
+/* --- announce.c ------------------------------------------------------------------------------ */
+
+/*
+ * What this broker says to the others of the agents that it knows: its own, those beyond other
+ * brokers, and those that are absent.  An agent's slot is its place in the white pages.
+ */
+
+/** So many other brokers are there; the first one to come is told everything. */
+void announce_to(struct broker *b, uint32_t listeners);
+
+/** Everything is to be said again. */
+void announce_all(struct broker *b);
+
+/** As broker_announcement and broker_announced. */
+bool announce_next(struct broker *b, muster_Registration *out);
+void announce_done(struct broker *b);
+
+void announce_tick(struct broker *b);
+uint64_t announce_deadline_ns(const struct broker *b);
+
+/* --- relay.c --------------------------------------------------------------------------------- */
+
+/*
+ * Mail, receipts and lines that other brokers deliver to this one, and what it acknowledges.
+ *
+ * A mail from a neighbour is taken once, whatever becomes of it: what has no room, or may not be
+ * carried out, is answered to its sender by way of the neighbour.
+ */
+
+/** As broker_delivery, broker_up_next and broker_up_sent. */
+void relay_take(struct broker *b, const muster_Delivery *d);
+bool relay_up_next(struct broker *b, const char **peer, muster_Up *out);
+void relay_up_sent(struct broker *b);
+
+#endif

@@ -1,0 +1,288 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/membership/membership.h"
+
+#include "broker/control/parts.h"
+#include "core/name.h"
+#include "core/text.h"
+
+#include <string.h>
+
+/* --- claims ----------------------------------------------------------------------------------- */
+
+/* @return whether the part says that the slot bears another name than this */
+static bool slot_is_others(const muster_Registration *r, uint32_t slot, const char *name)
+{
+    uint32_t index = slot % MU_PART_AGENTS;
+    if (slot / MU_PART_AGENTS != r->part || index >= r->agents._length) {
+        return false;
+    }
+    const char *now = r->agents._buffer[index].name;
+    return now[0] != '\0' && strcmp(now, name) != 0;
+}
+
+/* Ends the claims of a place: of one part alone, if that is not MU_NONE, and only where a slot
+ * bears another name now, if the part is given; nobody would take what is given to such a one. */
+static void claims_end(struct broker *b, uint32_t place, uint32_t part,
+                       const muster_Registration *now)
+{
+    uint32_t next = MU_NONE;
+    uint32_t left = b->places.at[place].claims;
+    for (uint32_t i = b->claims.first; i != MU_NONE && left > 0; i = next) {
+        const struct claim *claim = &b->claims.pool[i];
+        next = claim->next;
+        if (claim->process != place) {
+            continue;
+        }
+        left--;
+        const char *name = b->registry.agents[claim->agent].name;
+        if ((part == MU_NONE || claim->slot / MU_PART_AGENTS == part) &&
+            (!now || slot_is_others(now, claim->slot, name))) {
+            lifecycle_end_claim(b, i);
+        }
+    }
+}
+
+/* --- coming and going ------------------------------------------------------------------------- */
+
+/* A lock step does not let go of an agent before it ends. */
+static void presence_leave(struct broker *b, uint32_t agent)
+{
+    if (names_is_paced(b, agent)) {
+        b->registry.agents[agent].gone = true;
+    } else {
+        lifecycle_depart(b, agent);
+    }
+}
+
+/* The host is shown, in lines whose fields a space parts: what is no part of a host's name is not.
+ */
+static void host_copy(char to[MU_FIELD_MAX + 1], const char *host)
+{
+    (void)mu_text_copy(to, MU_FIELD_MAX + 1, host);
+    for (char *c = to; *c; c++) {
+        *c = *c > ' ' && *c <= '~' ? *c : '?';
+    }
+}
+
+/* Words of somebody's rules, which end on a terminal. */
+static void reason_copy(char to[MU_FIELD_MAX + 1], const char *reason)
+{
+    (void)mu_text_copy(to, MU_FIELD_MAX + 1, reason ? reason : "");
+    for (char *c = to; *c; c++) {
+        *c = *c >= ' ' && *c <= '~' ? *c : '?';
+    }
+}
+
+static void presence_of(const muster_Registration *r, const muster_Entry *e, struct presence *is)
+{
+    *is = (struct presence){.kind = e->kind,
+                            .state = e->state,
+                            .no_broadcasts = e->no_broadcasts,
+                            .full = e->full,
+                            .box_mails = e->box_mails,
+                            .box_bytes = e->box_bytes,
+                            .hops = e->hops,
+                            .since_wall_ns = e->since_wall_ns,
+                            .epoch = e->epoch,
+                            .newcomer = e->newcomer,
+                            .pid = r->pid,
+                            .busy_since_wall_ns = e->busy_since_wall_ns};
+    (void)mu_text_copy(is->home, sizeof is->home, e->home);
+    host_copy(is->host, e->kind == muster_KIND_HOST ? "" : r->host);
+    reason_copy(is->reason, e->reason);
+}
+
+/* A broker that has just begun, and knows of no bearer, gives a name to whoever comes first. */
+static bool outlived_a_broker(const struct broker *b, uint32_t agent, const struct presence *is)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    return !is->newcomer && b->clock.now_ns < b->hold_ns && is->since_wall_ns > 0 &&
+           is->since_wall_ns < a->is.since_wall_ns && a->is.home[0] == '\0' &&
+           !names_in_lockstep(b, agent);
+}
+
+static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
+                           struct presence *is)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    if (a->process != place && snapshots_overrule(b, agent, place, is)) {
+        b->places.at[place].overruled = true;
+        return;
+    }
+    bool is_other =
+        a->tenant.slot != slot || (!a->handed && a->is.since_wall_ns != is->since_wall_ns);
+    if (a->process == place && is_other && !b->places.at[place].rostered) {
+        b->registry.agents[agent].kept_until_ns = 0; /* whom it was kept for had come */
+        lifecycle_depart(b, agent); /* the name went to another agent of the same process */
+    }
+    if (a->process == MU_NONE && snapshots_have_later(b, agent, is->epoch)) {
+        places_refuse(&b->places, place, a->name, muster_REFUSAL_OUT_OF_DATE, "out of date");
+    } else if (is->newcomer && names_is_held(b, agent) && !lifecycle_is_copy(a, is)) {
+        lifecycle_claim(b, agent, place, slot, is);
+    } else if (a->process == MU_NONE) {
+        lifecycle_seat(b, agent, place, slot, is);
+        lifecycle_review(b, agent);
+    } else if (a->process == place) {
+        lifecycle_reregister(b, agent, slot, is);
+    } else if (b->places.at[a->process].is_broker &&
+               a->is.since_wall_ns == is->since_wall_ns) { /* it has moved here */
+        lifecycle_move(b, agent, place, slot, is);
+    } else if (outlived_a_broker(b, agent, is)) {
+        places_refuse(&b->places, a->process, a->name, muster_REFUSAL_NAME_HELD,
+                      lifecycle_holder(b, agent));
+        lifecycle_move(b, agent, place, slot, is);
+    } else {
+        lifecycle_claim(b, agent, place, slot, is);
+    }
+}
+
+/* The agent in that slot, and no other of its name, has left, or no longer wants its name. */
+static void slot_leave(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    uint32_t claim = claims_find(&b->claims, a->claim, place);
+    if (claim != MU_NONE) {
+        if (b->claims.pool[claim].slot == slot) {
+            lifecycle_end_claim(b, claim);
+        }
+    } else if (a->process == place && a->tenant.slot == slot) {
+        presence_leave(b, agent);
+    }
+}
+
+/* What a part says of one slot. */
+static void entry_take(struct broker *b, uint32_t place, const muster_Registration *r,
+                       uint32_t index)
+{
+    const muster_Entry *e = &r->agents._buffer[index];
+    uint32_t slot = r->part * MU_PART_AGENTS + index;
+    const char *objection = registry_objection(e->name, e->kind);
+    muster_Refusal code = muster_REFUSAL_NOT_A_NAME;
+    uint32_t agent = objection ? MU_NONE : registry_find(&b->registry, e->name);
+    if (e->state == muster_STATE_ABSENT) {
+        if (agent != MU_NONE) {
+            slot_leave(b, agent, place, slot);
+        }
+        return;
+    }
+    if (!objection && agent == MU_NONE) {
+        agent = registry_add(&b->registry, e->name);
+        objection = agent == MU_NONE ? "the white pages are full" : NULL;
+        code = muster_REFUSAL_FULL;
+    }
+    if (objection) {
+        b->counters.malformed += !mu_name_valid(e->name);
+        places_refuse(&b->places, place, e->name, code, objection);
+        return;
+    }
+    struct presence is;
+    presence_of(r, e, &is);
+    presence_admit(b, agent, place, slot, &is);
+}
+
+/* Lets go of the agents of a part; if that is given, of those whose slots bear other names now. */
+static void agents_leave(struct broker *b, uint32_t place, uint32_t part,
+                         const muster_Registration *now)
+{
+    uint32_t next = TENANTS_NONE;
+    for (uint32_t agent = tenants_first_of(&b->places, place, part); agent != TENANTS_NONE;
+         agent = next) {
+        next = tenants_next_of(&b->registry, agent);
+        const struct agent *a = &b->registry.agents[agent];
+        if (!now || slot_is_others(now, a->tenant.slot, a->name)) {
+            presence_leave(b, agent);
+        }
+    }
+}
+
+static void part_leave(struct broker *b, uint32_t place, uint32_t part,
+                       const muster_Registration *now)
+{
+    claims_end(b, place, part, now);
+    agents_leave(b, place, part, now);
+}
+
+static void place_leave(struct broker *b, uint32_t place)
+{
+    uint32_t top = b->places.at[place].parts_top;
+    claims_end(b, place, MU_NONE, NULL);
+    for (uint32_t part = 0; part < top; part++) {
+        agents_leave(b, place, part, NULL);
+    }
+}
+
+/* Finds or makes the place of a process that registers.  @return MU_NONE: it is not to be heard */
+static uint32_t place_hear(struct broker *b, const muster_Registration *r)
+{
+    uint32_t place = places_get(&b->places, r->process);
+    if (place == MU_NONE) {
+        b->counters.malformed++;
+        return MU_NONE;
+    }
+    struct place *at = &b->places.at[place];
+    if (r->incarnation < at->incarnation) {
+        return MU_NONE; /* late, from a process that is no more */
+    }
+    at->speaks = true; /* it stays, whoever leaves it */
+    /* Its pages are empty, if we saw its agents go, too. */
+    if (r->incarnation > at->incarnation) {
+        if (at->agents_count > 0) {
+            place_leave(b, place);
+        }
+        at->version_had = 0;
+        view_forget_told(at);
+    }
+    at->incarnation = r->incarnation;
+    at->watches = r->watches;
+    if (at->lost) {
+        at->lost = false;
+        at->roll_call_due = r->part > 0 || at->parts_top > 1;
+        places_wake(&b->places, place);
+    }
+    return place;
+}
+
+void registration_take(struct broker *b, const muster_Registration *r)
+{
+    if (r->broker[0] != '\0' && strcmp(r->broker, b->name) != 0) {
+        uint32_t left = places_find(&b->places, r->process);
+        if (left != MU_NONE) {
+            if (r->part == 0) {
+                glances_gone(b, left); /* it answers to the other one now */
+            }
+            part_leave(b, left, r->part, NULL);
+        }
+        return;
+    }
+    uint32_t place = place_hear(b, r);
+    if (place == MU_NONE) {
+        return;
+    }
+    part_leave(b, place, r->part, r);
+    for (uint32_t i = 0; i < r->agents._length; i++) {
+        const muster_Entry *e = &r->agents._buffer[i];
+        if (!border_entry(e, false)) {
+            b->counters.malformed++;
+        } else if (e->name[0] != '\0' || e->state != muster_STATE_ABSENT) {
+            entry_take(b, place, r, i);
+        }
+    }
+    b->places.at[place].speaks = false;
+    places_tidy(&b->places, place);
+}
+
+void registration_gone(struct broker *b, uint32_t place, uint32_t part, bool crashed)
+{
+    if (crashed) {
+        b->places.at[place].lost = true;
+        snapshots_process_gone(b, place);
+        glances_gone(b, place);
+        place_leave(b, place);
+    } else if (part < PLACES_PARTS) {
+        if (part == 0) {
+            snapshots_process_gone(b, place);
+            glances_gone(b, place);
+        }
+        part_leave(b, place, part, NULL);
+    }
+}

@@ -1,0 +1,532 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file names.h
+ * Who bears a name, in which process, and beyond which other broker.
+ */
+#ifndef MUSTER_BROKER_NAMES_H
+#define MUSTER_BROKER_NAMES_H
+
+#include "broker/base/base.h"
+#include "core/table.h"
+#include "muster/limits.h"
+#include "wire.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct broker;
+
+/* --- registry.c ------------------------------------------------------------------------------ */
+
+/*
+ * The white pages: every name that was ever registered, who bears it, and where it lives.
+ *
+ * An agent keeps its index for ever; the other parts of the broker use it to find what is theirs.
+ */
+
+/** The broker itself stands first in the white pages, its parts after it (counters.h). */
+enum {
+    REGISTRY_BROKER = 0,
+    REGISTRY_OWN = MU_BROKER_LINES,
+    REGISTRY_MAX = MU_AGENTS_MAX + REGISTRY_OWN
+};
+
+/* Lines of the white pages that are published together. */
+enum { REGISTRY_PAGE = 64, REGISTRY_PAGES = (REGISTRY_MAX + REGISTRY_PAGE - 1) / REGISTRY_PAGE };
+
+/* What a registration says of an agent. */
+struct presence {
+    muster_Kind kind;
+    muster_State state;
+    bool no_broadcasts;         /* mail to all passes it by */
+    muster_BoxPolicy full;      /* of its box, */
+    uint32_t box_mails;         /* which holds so many mails, */
+    uint64_t box_bytes;         /* of so many bytes; 0: the broker's own limit */
+    uint32_t hops;              /* brokers between here and */
+    char home[MU_NAME_MAX + 1]; /* the broker at which it lives; "": it lives in the process */
+    uint64_t since_wall_ns;     /* since when it has its name */
+    uint64_t epoch;             /* how often it has set out for another process */
+    bool newcomer;              /* no broker has given it the name before */
+    uint32_t pid;
+    char host[MU_FIELD_MAX + 1];
+    uint64_t busy_since_wall_ns;   /* 0: it is not */
+    char reason[MU_FIELD_MAX + 1]; /* why it is in this state; "": it does not say */
+};
+
+/* Queues of a place, for agents that may have something to be told: until they are served, and
+ * until somebody has looked at how urgent it is. */
+enum tenant_queue { TENANT_READY, TENANT_STIRRED, TENANT_QUEUES };
+
+struct tenant_link {
+    uint32_t next, prev;
+    bool queued;
+};
+
+/* An agent in a place: see tenants.h. */
+struct tenant {
+    uint32_t place, slot;
+    uint32_t next, prev; /* of the same part */
+    struct tenant_link links[TENANT_QUEUES];
+};
+
+struct agent {
+    char name[MU_NAME_MAX + 1];
+    char place[MU_PROCESS_MAX + 1]; /* its process, or the last one that it had */
+    uint32_t process;               /* MU_NONE when absent */
+    uint32_t left;                  /* the seat that a lock step took it from, or MU_NONE */
+    uint64_t left_wall_ns;          /* since when who left that had its name */
+    uint32_t claim;                 /* the first one on its name: see claims.h; MU_NONE: nobody's */
+    struct tenant tenant;           /* while it has a process */
+    struct presence is;
+    uint64_t since_wall_ns;
+    uint64_t seen_seq;      /* the last mail that it has sent in this life of the broker */
+    uint64_t came_seq;      /* the last one that has come in this life, taken or not */
+    uint64_t durable_seq;   /* the last one that went to the store, in any life */
+    uint64_t failed_seq;    /* the last one that was not delivered, in any life */
+    uint64_t durable_order; /* of its last mail that is to go to the store, in this life */
+    uint64_t earlier_seq;   /* no mail of an earlier life of the broker has a higher one */
+    uint64_t reserved_seq;  /* on disk: later lives count from here */
+    uint64_t elsewhere_seq; /* no mail that other brokers have had of it has a higher one */
+    uint64_t mark;          /* the last list of receivers that it was put on */
+    uint64_t kept_until_ns; /* so long newcomers wait for its last bearer: see names_hold */
+    uint64_t seated_above;  /* the last number of its box before the last verdict */
+    uint64_t step_version;  /* of its line when a step ended, if more was said of it since */
+    bool verdict_due;
+    bool seated;     /* it has acknowledged a later one */
+    bool let_go;     /* a lock step waits for it to come back in another process */
+    bool handed;     /* the broker has given it to its process, which has not said since when it is
+                        there */
+    bool gone;       /* its process went in lock step: counts when that ends */
+    bool ended;      /* it was disposed of in lock step, whose members are to know */
+    bool passed;     /* a lock step has taken the name from a process since it began */
+    bool unsaved;    /* the journal has to write its line */
+    bool ram_behind; /* it has sent mail in RAM behind durable_order */
+    bool awaited; /* it went without a word, or an earlier life of the broker knew it: its receipts
+                     are kept */
+    muster_Kind saved_kind;
+};
+
+struct registry {
+    struct agent *agents; /* REGISTRY_MAX of them */
+    uint32_t count;
+    uint32_t present; /* agents that are there, the broker and its parts not counted */
+    uint32_t *order;  /* indices in order of name */
+    struct changes changes;
+    bool pages_due[REGISTRY_PAGES]; /* something in them has changed */
+    uint32_t news[REGISTRY_PAGES];  /* a ring: these pages */
+    uint32_t news_head;
+    uint32_t news_count;
+    uint64_t mark;
+    struct mu_table names;
+};
+
+void registry_init(struct registry *r);
+
+/** @return the index of a name, or MU_NONE */
+uint32_t registry_find(const struct registry *r, const char *name);
+
+/** @return whether it is the broker or one of its parts */
+bool registry_is_own(uint32_t agent);
+
+/** @return why nobody may register that name as that kind, or NULL */
+const char *registry_objection(const char *name, muster_Kind kind);
+
+/** Enters a new name, absent until registry_seat.  @return its index, or MU_NONE when full */
+uint32_t registry_add(struct registry *r, const char *name);
+
+/** A line of the white pages is news to everybody again. */
+void registry_touch(struct registry *r, uint32_t agent);
+
+/** The agent is now in this process. */
+void registry_seat(struct registry *r, uint32_t agent, uint32_t process, const char *place,
+                   const struct presence *presence, uint64_t wall_ns);
+
+/** The agent has left its process. */
+void registry_unseat(struct registry *r, uint32_t agent, uint64_t wall_ns);
+
+/** Takes in what a registration says of a seated agent.  @return whether anything changed */
+bool registry_update(struct registry *r, uint32_t agent, const struct presence *presence,
+                     uint64_t wall_ns);
+
+/** @return whether the state changed */
+bool registry_set_state(struct registry *r, uint32_t agent, muster_State state, uint64_t wall_ns);
+
+/** @return the number that a new process of that name goes on after */
+uint64_t registry_last_seq(const struct agent *a);
+
+/** @return the next page in which a line has changed since it was last given here, or MU_NONE */
+uint32_t registry_next_page(struct registry *r);
+
+/** A page is to be given again. */
+void registry_mark_page(struct registry *r, uint32_t page);
+
+/** Fills a line with pointers into the registry. */
+void registry_line(const struct registry *r, uint32_t agent, const char *broker,
+                   muster_Member *out);
+
+/* --- claims.c -------------------------------------------------------------------------------- */
+
+/*
+ * Others want a name, and wait for its holder to go: each for so long, and in the order in which
+ * they came.
+ */
+
+enum { CLAIMS_MAX = REGISTRY_MAX };
+
+struct claim {
+    uint32_t agent;   /* whose name it is */
+    uint32_t process; /* that wants it, */
+    uint32_t slot;    /* for this agent of its own */
+    uint64_t until_ns;
+    struct presence presence;
+    uint32_t behind;     /* the next one on the same name, or MU_NONE */
+    uint32_t next, prev; /* in order of until_ns; next also in the free list; MU_NONE: none */
+};
+
+struct claims {
+    struct claim *pool; /* CLAIMS_MAX of them */
+    uint32_t used;      /* high-water mark */
+    uint32_t free;
+    uint32_t first, last;
+    uint32_t count;
+};
+
+void claims_init(struct claims *c);
+
+/** @return the claim of a process among those that begin with `first`, or MU_NONE */
+uint32_t claims_find(const struct claims *c, uint32_t first, uint32_t process);
+
+/**
+ * Enters a claim behind those that *first begins; the times of successive ones must not decrease.
+ * @return whether there was room
+ */
+bool claims_add(struct claims *c, uint32_t *first, const struct claim *claim);
+
+/** Ends one of the claims that *first begins. */
+void claims_drop(struct claims *c, uint32_t *first, uint32_t index);
+
+/* --- places.c -------------------------------------------------------------------------------- */
+
+/* The processes that agents live in, and which of them have something to be told. */
+
+enum {
+    PLACES_PARTS = MU_PARTS_MAX,
+    PLACES_REFUSALS = 64,          /* that wait for one Delivery */
+    PLACES_ALL = MU_PROCESSES_MAX, /* no place */
+};
+
+_Static_assert(MU_LOCAL_AGENTS_MAX % MU_PART_AGENTS == 0, "a process has whole parts");
+
+/* A registration that was turned down. */
+struct refusal {
+    char name[MU_PROCESS_MAX + 1]; /* as it came, perhaps no valid name at all; cut if long */
+    muster_Refusal code;
+    const char *reason;
+};
+
+/* Agents of a place: see tenants.h. */
+struct tenant_ends {
+    uint32_t first, last;
+};
+
+struct place {
+    char name[MU_PROCESS_MAX + 1];
+    bool used;
+    bool matched;
+    bool rostered;         /* a lock step waits for it */
+    bool watches;          /* its agents have no bodies: the special ones look on */
+    bool simulator;        /* of the lock step */
+    bool answered;         /* its Up of the current step is in */
+    bool step_due;         /* the Delivery of the last step has not gone out to it */
+    bool queued;           /* in the queue of those to look at */
+    bool held;             /* waits for the courier to wake */
+    bool blocked;          /* the network refused it; waits for the next try */
+    bool lost;             /* nobody has written for it since its liveliness ended */
+    bool roll_call_due;    /* it is to say all its parts again */
+    bool speaks;           /* its registration is just being taken in */
+    bool flooded;          /* its last Delivery had many mails: see floods.h */
+    bool flood_queued;     /* among the places that are held for that */
+    bool hears;            /* circulars */
+    bool overruled;        /* a lock step has passed over a name that it asked for */
+    bool is_broker;        /* a broker, and its agents live beyond it */
+    uint64_t incarnation;  /* of the process */
+    uint32_t flooded_from; /* the place that the last of those mails came from, or MU_NONE */
+    uint64_t flooded_until_ns;
+    uint64_t flood_wake_ns; /* when it is woken, if it is among those */
+    uint32_t seat;          /* its number; no other place ever had it */
+    uint64_t serial;        /* of the last Delivery to it */
+    int64_t step_had;       /* the step of the last Delivery of this lock step */
+    uint64_t version_had;   /* of the white pages */
+    uint64_t groups_had;
+    uint64_t services_had;
+    uint32_t claims; /* names that it waits for */
+    uint32_t agents_count;
+    uint32_t parts_top;           /* parts ever used */
+    uint32_t parts[PLACES_PARTS]; /* the first agent of each: see tenants.h */
+    struct tenant_ends queues[TENANT_QUEUES];
+    uint32_t refusals_count;
+    uint32_t unmatched_at; /* where it stands among the unmatched, if it has not matched */
+    struct refusal refusals[PLACES_REFUSALS];
+};
+
+struct places {
+    struct place *at; /* MU_PROCESSES_MAX of them */
+    uint32_t top;     /* entries ever used */
+    uint32_t seats;   /* given out */
+    uint32_t used_count;
+    uint32_t *unmatched; /* indices of those in use that have not matched */
+    uint32_t unmatched_count;
+    uint32_t blocked;
+    bool all_awake;  /* since something happened to all, none has been looked at */
+    uint32_t *queue; /* a ring of MU_PROCESSES_MAX */
+    uint32_t queue_head;
+    uint32_t queue_count;
+    struct mu_table names;
+};
+
+void places_init(struct places *p);
+
+/** @return the index of a process, or MU_NONE */
+uint32_t places_find(const struct places *p, const char *name);
+
+/** Finds a process or enters it.  @return its index, or MU_NONE when full */
+uint32_t places_get(struct places *p, const char *name);
+
+/** Forgets a process, unless somebody needs it. */
+void places_tidy(struct places *p, uint32_t place);
+
+void places_set_matched(struct places *p, uint32_t place, bool matched);
+
+/** Notes a refused registration; when there are too many, the process will ask again. */
+void places_refuse(struct places *p, uint32_t place, const char *name, muster_Refusal code,
+                   const char *reason);
+
+/** The name is the process's after all: what it has not heard yet, it need not hear. */
+void places_accept(struct places *p, uint32_t place, const char *name);
+
+/** Puts a process into the queue of those that may have something to be told. */
+void places_wake(struct places *p, uint32_t place);
+
+/** Takes the first one out of the queue.  @return MU_NONE when it is empty */
+uint32_t places_next(struct places *p);
+
+/** The network refused it (true), or may be tried again (false). */
+void places_set_blocked(struct places *p, uint32_t place, bool blocked);
+
+/* --- tenants.c ------------------------------------------------------------------------------- */
+
+/* Which agents live in a place, part by part, and which of them may have something to be told. */
+
+/** No agent: the broker itself lives in no place. */
+enum { TENANTS_NONE = REGISTRY_BROKER };
+
+/** An agent, which lives nowhere, moves into a slot of a place. */
+void tenants_add(struct registry *r, struct places *p, uint32_t place, uint32_t slot,
+                 uint32_t agent);
+
+/** An agent leaves its place. */
+void tenants_remove(struct registry *r, struct places *p, uint32_t agent);
+
+/** @return the first agent of a place, or of a part of it, or TENANTS_NONE */
+uint32_t tenants_first(const struct places *p, uint32_t place);
+uint32_t tenants_first_of(const struct places *p, uint32_t place, uint32_t part);
+
+/** @return the next agent of the same place, or of the same part, or TENANTS_NONE */
+uint32_t tenants_next(const struct registry *r, const struct places *p, uint32_t agent);
+uint32_t tenants_next_of(const struct registry *r, uint32_t agent);
+
+/** The agent may have something to be told, and its place with it; without a place, nothing. */
+void tenants_wake(struct registry *r, struct places *p, uint32_t agent);
+
+/**
+ * @return an agent of the place that was woken since it was last served or calmed, or TENANTS_NONE:
+ *         so nobody who waits has to be looked at twice
+ */
+uint32_t tenants_stirred(const struct places *p, uint32_t place);
+
+/** What the agent has to be told can wait, until it is woken again. */
+void tenants_calm(struct registry *r, struct places *p, uint32_t agent);
+
+/** Takes the agent that waits longest out of a place's queue.  @return TENANTS_NONE: none waits */
+uint32_t tenants_pop(struct registry *r, struct places *p, uint32_t place);
+
+/* --- names.c --------------------------------------------------------------------------------- */
+
+/** @return what may be handed to the agent just now */
+enum mailbox_gate names_gate(const struct broker *b, uint32_t agent);
+
+/**
+ * It has acknowledged a number.  If that was not handed out before the last verdict, its process
+ * knows its seat here, and which number comes next: who has had that number already takes whatever
+ * follows it.
+ */
+void names_confirm(struct broker *b, uint32_t agent, uint64_t number);
+
+/** @return whether the agent's process is in a lock step that is on */
+bool names_in_lockstep(const struct broker *b, uint32_t agent);
+
+/** @return whether the lock step waits for its process: it is a member, or looks on and speaks from
+ * outside, in its turn */
+bool names_is_paced(const struct broker *b, uint32_t agent);
+
+/** @return whether the agent lives beyond another broker */
+bool names_is_beyond(const struct broker *b, uint32_t agent);
+
+/** Its bearer was lost with a broker, or is on its way to another platform, and may come by itself:
+ * for a while newcomers wait. */
+void names_hold(struct broker *b, uint32_t agent);
+
+/** The broker at which an agent lives, if it is another one, is to know after which number its box
+ * goes on: it takes none that does not follow. */
+void names_tell_number(struct broker *b, uint32_t agent);
+
+/** @return when who begins to wait now has waited long enough */
+uint64_t names_hold_end_ns(const struct broker *b);
+
+/** Who bore the name is on the way here: from a broker that is no more, or to another platform. */
+bool names_is_held(const struct broker *b, uint32_t agent);
+
+/** The white pages have changed: whoever may be told at any time is. */
+void names_changed(struct broker *b);
+
+/** A process is told that it has the name; another broker, where a box goes on that others have had
+ * something from. */
+void names_owe_verdict(struct broker *b, uint32_t agent);
+
+/* --- remote.c -------------------------------------------------------------------------------- */
+
+/*
+ * The other brokers, and which agents live beyond which of them.
+ *
+ * A broker is to another one what a process is: the place "broker.NAME", in which the agents live
+ * that it announces.  What every neighbour says of every agent is kept; the best of it is used:
+ *
+ *   - of two agents with one name the one that has had it longer stays; one that lives here and
+ *     has to give way is refused;
+ *   - of several ways to the same agent (same name, same since) the shortest is used, and none if
+ *     it lives here.
+ *
+ * When the way in use is lost, another one that is not shorter than it was may lead back to here:
+ * such a one is used only after a pause, in which whoever relied on us has heard that we know
+ * none.  An agent's own broker is always believed.
+ */
+
+/* How long another way has to wait that may be an echo of our own. */
+enum { LIAISON_PAUSE_MS = 1000 };
+
+/*
+ * Where a new process of a name begins to number its mail: each broker has lanes of its own, by its
+ * name, so that of two that cannot hear each other neither gives a number that the other gives.
+ */
+enum { LIAISON_LANE_NUMBERS = 1 << 16, LIAISON_LANES = 1 << 20 };
+
+/* Acknowledgements in one Up to a neighbour. */
+enum { LIAISON_ACKS = 1024 };
+
+/* What a neighbour says of an agent. */
+struct way {
+    bool present, no_broadcasts;
+    uint8_t kind, state;
+    uint32_t hops; /* brokers between the neighbour and the agent */
+    uint32_t slot; /* in the neighbour's announcement */
+    uint32_t pid;
+    uint64_t since_wall_ns, last_seq;
+    char home[MU_NAME_MAX + 1];
+    char host[MU_FIELD_MAX + 1];
+    uint64_t busy_since_wall_ns;
+    char reason[MU_FIELD_MAX + 1];
+};
+
+struct peer {
+    char name[MU_NAME_MAX + 1];
+    char place[MU_PROCESS_MAX + 1];
+    bool there; /* it is not silent */
+    uint64_t incarnation;
+    uint64_t heard_ns; /* when this life of it was heard last */
+    /* One for each agent of the registry: */
+    struct way *ways;
+    uint64_t *taken; /* the last number of its box there that was taken here */
+    bool *ack_due;
+    uint32_t *acks; /* those with an acknowledgement due */
+    uint32_t acks_count;
+};
+
+/* An agent without a way, until it may have one that can be an echo. */
+struct pause {
+    uint32_t agent;
+    uint64_t until_ns;
+};
+
+struct liaison_counts {
+    uint64_t announced, parcels_in, passed_on, repeated, receipts_in, clashes, hops_refused;
+};
+
+struct liaison {
+    struct peer peers[MU_BROKERS_MAX];
+    uint32_t peers_count;
+    uint32_t peers_there;
+    struct pause *pauses; /* a ring: one for each agent at most */
+    uint32_t pauses_head, pauses_count;
+    bool *pausing;                                  /* for each agent */
+    char holders[MU_BROKERS_MAX][MU_FIELD_MAX + 1]; /* reasons of refusals */
+    uint32_t holders_count;
+    /* announce.c */
+    uint32_t listeners; /* other brokers that are there */
+    uint64_t version_said;
+    uint64_t beat_ns; /* the next heartbeat */
+    bool due[MU_PARTS_MAX];
+    uint32_t due_count;
+    uint32_t part_open;
+    muster_Entry entries[MU_PART_AGENTS];
+    /* relay.c */
+    uint32_t peer_open;
+    muster_Ack *acks_open;
+    uint32_t acks_open_count;
+    struct liaison_counts count;
+};
+
+void remote_init(struct liaison *l);
+
+/** @return whether a process's name is that of a broker */
+bool remote_is_broker(const char *process);
+
+/** @return the broker's name in such a name of a process */
+const char *remote_name(const char *process);
+
+/** @return the neighbour of that name, or NULL */
+struct peer *remote_peer(struct broker *b, const char *name);
+
+/** @return the reason of a refusal: somebody at that broker holds the name */
+const char *remote_holder(struct broker *b, const char *home);
+
+/** @return the lane of this broker, below LIAISON_LANES */
+uint64_t remote_lane(const struct broker *b);
+
+/** @return the number behind which a new process of that agent begins to number its mail */
+uint64_t remote_begin_seq(const struct broker *b, uint32_t agent);
+uint64_t remote_deadline_ns(const struct broker *b);
+
+struct peer *remote_best_peer(struct broker *b, uint32_t agent);
+
+/** @return whether a life of a neighbour has been silent for so long that what is said by an
+ * earlier number cannot be a word that was under way */
+bool remote_is_over(const struct broker *b, const struct peer *p);
+
+/** @return whether a way can lead back to here: its neighbour may have it from us */
+bool remote_may_be_echo(const struct agent *a, const struct way *way, bool same_neighbour);
+
+void remote_forget_numbers(struct broker *b, struct peer *p);
+
+void remote_begin_pause(struct broker *b, uint32_t agent);
+
+/** Who is silent makes room. */
+struct peer *remote_add_peer(struct broker *b, const char *name);
+
+void remote_set_there(struct broker *b, struct peer *p, bool there);
+
+struct presence remote_presence(const struct way *way);
+
+/** A process that comes after it must not begin with numbers that it has used. */
+void remote_lose_way(struct broker *b, struct peer *p, uint32_t agent);
+
+#endif

@@ -1,0 +1,349 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file node.h
+ * The process around the broker: DDS, files, the store.
+ */
+#ifndef MUSTER_BROKER_NODE_H
+#define MUSTER_BROKER_NODE_H
+
+#include "broker/control/broker.h"
+#include "broker/mail/mail.h"
+#include "broker/services/services.h"
+#include "bus/bus.h"
+#include "core/network.h"
+#include "core/table.h"
+#include "muster/limits.h"
+#include "muster/result.h"
+#include "wire.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct broker;
+
+/* --- mailbags.c ------------------------------------------------------------------------------ */
+
+/* The writers of Deliveries: one into the partition of each process that the broker serves. */
+
+struct mailbag {
+    char process[MU_PROCESS_MAX + 1];
+    struct bus_writer writer;
+    bool matched;
+    bool hears;        /* circulars */
+    uint32_t hearers;  /* how many of them there were when it was last asked whether it does */
+    uint32_t readers;  /* it has ever had */
+    uint64_t heard_ns; /* when its last Up came, by the machine's clock; 0: none has */
+};
+
+struct mailbags {
+    struct bus *bus;
+    struct bus_writer circulars;
+    bool once; /* they are used */
+    const struct bus_reader *ups;
+    struct mailbag at[MU_PROCESSES_MAX];
+    uint32_t order[MU_PROCESSES_MAX]; /* of at: [0, count) in use, then those that are free */
+    uint32_t count;
+    struct mu_table names;
+};
+
+/**
+ * Takes the memory for the index, at start-up.
+ *
+ * @param ups   the broker's reader of Ups; stays the caller's
+ * @param once  what is for many goes out in circulars.  They have a line for each receiver, which
+ *              on loopback costs nothing, and on a network several packets where one was enough
+ */
+MU_MUST_USE mu_result mailbags_open(struct mailbags *m, struct bus *bus,
+                                    const struct bus_reader *ups, bool once);
+
+/** @return the writer to a process, or to all (BUS_TO_ALL); NULL: there is none */
+const struct bus_writer *mailbags_writer(struct mailbags *m, const char *process);
+
+/** @return whether all circulars that were written have arrived */
+bool mailbags_circulars_drained(const struct mailbags *m);
+
+/** @return the bag of a process, or NULL: it has none */
+struct mailbag *mailbags_find(struct mailbags *m, const char *process);
+
+/** @return when that process spoke that has been silent for the longest, 0: one never has, or there
+ *          is none */
+uint64_t mailbags_spoke_ns(const struct mailbags *m);
+
+/** Closes the bags of processes that are gone for good, and opens one for every new process. */
+void mailbags_follow(struct mailbags *m, const struct broker *b);
+
+/**
+ * Tells the broker which processes have matched, or have not any more.
+ *
+ * @param mute  a process that gets mail and sends none
+ * @param all   false: only those that had not matched are looked at
+ * @return whether any has not
+ */
+bool mailbags_look(struct mailbags *m, struct broker *b, const char *mute, bool all,
+                   uint64_t now_ns);
+
+/* --- beacons.c ------------------------------------------------------------------------------- */
+
+/* The brokers of the network as this one sees them, and whether its own name is its own.  Pure. */
+
+struct beacon_other {
+    char name[MU_NAME_MAX + 1];
+    uint64_t incarnation;
+    bool there; /* not silent */
+};
+
+struct beacons {
+    char name[MU_NAME_MAX + 1]; /* of this broker */
+    char host[MU_FIELD_MAX + 1];
+    uint64_t incarnation;
+    uint32_t pid;
+    struct beacon_other others[MU_BROKERS_MAX];
+    uint32_t count;
+    uint64_t refused; /* brokers that did not fit */
+};
+
+enum beacon_news {
+    BEACON_NOTHING, /* it is known, or our own, or does not fit and is counted */
+    BEACON_MET,     /* a broker that was not there before, or another life of one */
+    BEACON_LATER,   /* another broker has our name, and must give way */
+    BEACON_EARLIER, /* another broker has our name, and we must give way */
+};
+
+/** Takes a heartbeat. */
+enum beacon_news beacons_hear(struct beacons *b, const muster_Beacon *beacon);
+
+/** A broker is silent, or has left.  @return whether it was there */
+bool beacons_lose(struct beacons *b, const char *name);
+
+/* --- pulse.c --------------------------------------------------------------------------------- */
+
+/*
+ * When a broker says that it is there: every 300 ms, and every second while all of its processes
+ * speak to it.
+ *
+ * A Beacon wakes every process at once, and every one acknowledges it: mail that is under way then
+ * waits for all of them.  Who has sent an Up since the last look has heard of the broker, and DDS
+ * takes every packet of the broker's for a sign of its life.
+ */
+
+struct pulse {
+    uint64_t told_ns;   /* when a Beacon went out last; 0: the next one is due */
+    uint64_t looked_ns; /* when it was asked last whether one is due */
+};
+
+/** @return whether it is time to ask pulse_beats() */
+bool pulse_looks(const struct pulse *p, uint64_t now_ns);
+
+/**
+ * Looks whether a Beacon is to go out, and notes that it does.
+ *
+ * @param spoke_ns  all processes have spoken at that time or later; 0: one never has, or there is
+ *                  none
+ */
+bool pulse_beats(struct pulse *p, uint64_t spoke_ns, uint64_t now_ns);
+
+/* --- herald.c -------------------------------------------------------------------------------- */
+
+/* The Beacon on the network: says that this broker is there, and hears of the others. */
+
+struct herald {
+    struct bus *bus;
+    struct beacons beacons;
+    struct bus_reader heard;
+    struct bus_writer beacon;
+    struct pulse pulse;
+    bool sure;   /* no other broker has our name */
+    bool yields; /* another one has it: this one is to end */
+};
+
+MU_MUST_USE mu_result herald_open(struct herald *h, struct bus *bus,
+                                  const struct broker_options *broker);
+
+/** Hears the other brokers; sets yields, and says so, when one of them has our name. */
+void herald_hear(struct herald *h);
+
+/**
+ * Says that the broker is there, when that is due by the machine's clock.
+ *
+ * @param bags  those who are to hear of it
+ */
+void herald_tell(struct herald *h, struct broker *b, const struct mailbags *bags);
+
+/** Nobody was heard that has our name: agents may come from now on. */
+void herald_be_sure(struct herald *h);
+
+/** Takes the Beacon back; a broker that yields leaves it to the other one. */
+void herald_close(struct herald *h);
+
+/* --- peers.c --------------------------------------------------------------------------------- */
+
+/* The other brokers on the network: what this one says to them, and hears from them. */
+
+/* Acknowledgements go into the partition of the broker that they are for. */
+struct peers_line {
+    char name[MU_NAME_MAX + 1];
+    struct bus_writer ups;
+};
+
+struct peers {
+    struct bus *bus;
+    struct bus_reader deliveries;
+    struct bus_writer registration;
+    struct peers_line lines[MU_BROKERS_MAX];
+    uint32_t count;
+};
+
+/** @param place  "broker.NAME" of this broker */
+MU_MUST_USE mu_result peers_open(struct peers *p, struct bus *bus, const char *place);
+
+/** Opens a line to each broker that is there, and closes the others. */
+void peers_follow(struct peers *p, const struct beacons *beacons, struct broker *b,
+                  uint64_t now_ns);
+
+/** Takes what other brokers deliver. */
+void peers_take(struct peers *p, struct broker *b, uint64_t now_ns);
+
+/** Announces and acknowledges, after the commit.  @return whether the network took all */
+bool peers_tell(struct peers *p, struct broker *b);
+
+/* --- health.c -------------------------------------------------------------------------------- */
+
+/*
+ * Tells any DDS tool how the broker is: the topics BrokerStatus and PartStatus.
+ *
+ * What has changed is written at once, but at most every HEALTH_NEWS_NS; what changes with time
+ * alone (ages, processor time, memory) every HEALTH_DRIFT_NS.
+ */
+
+#define HEALTH_NEWS_NS  100000000ull
+#define HEALTH_DRIFT_NS 1000000000ull
+
+struct health {
+    struct bus *bus;
+    struct bus_writer status, parts;
+    muster_BrokerStatus told; /* without what drifts */
+    uint64_t told_ns;         /* when all was told, whether it was news or not */
+    bool begun;
+    uint64_t values[COUNTERS_MAX]; /* that were told last, in the order of the table */
+};
+
+MU_MUST_USE mu_result health_open(struct health *h, struct bus *bus);
+
+/** Tells what there is to tell; to be called every HEALTH_NEWS_NS of the machine's clock. */
+void health_tell(struct health *h, struct broker *b, uint64_t now_ns);
+
+/** Tells everything for the last time, and waits until readers have it. */
+void health_close(struct health *h, struct broker *b);
+
+/* --- settings.c ------------------------------------------------------------------------------ */
+
+/* What the command line of muster-broker says. */
+
+struct settings {
+    struct mu_network network;
+    bool verbose, counters;
+    double delivery_interval_ms;
+    const char *policy, *audit; /* files; NULL: none */
+    const char *store;          /* a file; "none"; NULL: the usual one */
+    int64_t box_mails, box_bytes;
+    const char *box_policy_word;
+    muster_BoxPolicy box_policy;
+};
+
+/** @return MU_EXIT_DONE: go on; else the exit code.  name: out; NULL: there is nothing to do */
+int settings_read(struct settings *s, const char **name, int argc, char **argv);
+
+/* --- files.c --------------------------------------------------------------------------------- */
+
+/* The broker's files: the trust policy is read at the start, the audit log is appended to. */
+
+/** The largest policy file, in bytes. */
+enum { FILES_POLICY_BYTES = 256 * 1024 };
+
+struct files_audit {
+    int fd;      /* -1: there is no audit log */
+    bool failed; /* the last record could not be written */
+    bool cut;    /* and a part of it stands there */
+};
+
+/**
+ * Sets the broker's policy from a file.
+ *
+ * @return MU_OK; MU_FAULT_FILE, explained on standard error as file:line:column: what is expected
+ */
+MU_MUST_USE mu_result files_policy_load(struct broker *b, const char *path);
+
+/** Opens the audit log; path NULL: none.  @return whether it can be written, explained if not */
+bool files_audit_open(struct files_audit *f, const char *path);
+
+/**
+ * Writes down all that waits.  What cannot be written is counted and gone; the first time is
+ * logged, and the first success after it.
+ */
+void files_audit_write(struct files_audit *f, struct broker *b);
+
+/* --- disk.c ---------------------------------------------------------------------------------- */
+
+/*
+ * The broker's store: one SQLite file, which a person can read with the sqlite3 shell while no
+ * broker has it open.
+ *
+ * What is written is the journal's business (journal.h); here it becomes rows.  A commit survives
+ * the death of the process, and the loss of power when it was begun as LEVEL_SYNCED.  No data of a
+ * user is ever deleted: a file that is not ours, or damaged, is refused and left as it is.
+ */
+
+struct disk;
+
+/** Writes everything that the journal has, and tells it how that went.  @return whether it went */
+bool disk_commit(struct disk *d, struct broker *b, muster_Level level, uint64_t now_ns);
+
+/** Tidies up when nothing was written for a while; call now and then. */
+void disk_rest(struct disk *d, uint64_t now_ns);
+
+void disk_close(struct disk *d);
+
+/* --- disk_open.c ----------------------------------------------------------------------------- */
+
+/**
+ * Opens a store, or makes it with the folders above it.  At start-up.
+ *
+ * @param wall_ns  nanoseconds since 1970
+ * @return MU_OK; MU_FAULT_FILE: not a store, of another version, or damaged; MU_FAULT_OS: it cannot
+ *         be made, read or written, or another broker has it; both explained on standard error
+ */
+MU_MUST_USE mu_result disk_open(struct disk **out, const char *path, uint64_t wall_ns);
+
+/** @return a number above all that earlier brokers on this store had, and the time if it can be */
+uint64_t disk_incarnation(const struct disk *d);
+
+/** @return a number far above all that boxes of earlier brokers on this store have counted */
+uint64_t disk_number_base(const struct disk *d);
+
+/* --- disk_path.c ----------------------------------------------------------------------------- */
+
+/** Makes the default path, in $XDG_STATE_HOME/muster or ~/.local/state/muster.
+ *  @return false: there is no home, or the path is too long */
+bool disk_default_path(char *path, size_t size, int domain, const char *broker);
+
+/* --- disk_load.c ----------------------------------------------------------------------------- */
+
+/** Gives all that is stored to durable_restore.  @return how much of it was not taken, or a fault
+ *          that is explained on standard error: the file is damaged */
+MU_MUST_USE mu_result disk_load(struct disk *d, struct broker *b, uint64_t *refused);
+
+/* --- opening.c ------------------------------------------------------------------------------- */
+
+/* Opens the broker, its store and its files as the command line says. */
+
+struct opening {
+    struct broker *broker;
+    struct disk *disk; /* NULL: without a store */
+    struct files_audit audit;
+    struct broker_options options; /* its strings live as long as the command line does */
+};
+
+/** @return MU_EXIT_DONE, or the exit code, explained */
+int opening_run(struct opening *o, const struct settings *s, const char *name);
+
+#endif

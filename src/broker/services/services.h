@@ -1,0 +1,264 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file services.h
+ * What the broker answers by mail, who is told of changes, and the way of one mail.
+ */
+#ifndef MUSTER_BROKER_SERVICES_H
+#define MUSTER_BROKER_SERVICES_H
+
+#include "broker/delivery/delivery.h"
+#include "core/text.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct broker;
+
+/* --- counters.c ------------------------------------------------------------------------------ */
+
+/*
+ * The parts of the broker and what each counts: one table for the answer to `state`, for the topic
+ * PartStatus and for docs/reference/counters.md.
+ */
+
+/*
+ * What a part of the broker has counted, for whoever asks it.
+ *
+ *   state  to broker.PART  ->  inform   PART COUNTER NUMBER COUNTER NUMBER ...
+ *          to broker       ->  inform   broker PART.COUNTER NUMBER ...
+ *          in lock step    ->  failure  in-lock-step
+ *
+ * Members of a lock step are not told: counters depend on the wall clock.
+ */
+
+/* The broker's parts, by their index in the white pages; 0 there is the broker itself. */
+enum counters_part {
+    PART_REGISTRAR = 1,
+    PART_POSTMASTER,
+    PART_COURIER,
+    PART_GROUPS,
+    PART_SERVICES,
+    PART_TRUST,
+    PART_JOURNAL,
+    PART_LIAISON,
+    PARTS_END /* one more than the last */
+};
+
+/* Counters of all parts together. */
+enum { COUNTERS_MAX = 128 };
+
+struct counter {
+    enum counters_part part;
+    const char *name;   /* a CLIPS symbol */
+    const char *counts; /* what, and in which unit, for people */
+    bool drifts;        /* changes with time alone: no news in itself */
+    size_t offset;      /* of the number in struct broker */
+    size_t size;        /* of it: 4 or 8; 0: asked for by read */
+    uint64_t (*read)(const struct broker *b);
+};
+
+/** @return the word for a part, without "broker." */
+const char *counters_part_name(uint32_t part);
+
+/** @return the index-th counter; the table is in order of part; NULL past the last */
+const struct counter *counters_at(size_t index);
+
+uint64_t counters_value(const struct broker *b, const struct counter *c);
+
+/** Prints the table as Markdown to standard output. */
+void counters_print(void);
+
+/** Answers a question for the state of the broker or of one of its parts. */
+void counters_answer(struct broker *b, uint32_t own, const struct mail *question);
+
+/* --- query.c --------------------------------------------------------------------------------- */
+
+/*
+ * Questions to the pages, and changes of them: mails to `broker` in layer 2, answered by mail.
+ *
+ *   lookup NAME         ->  inform   member NAME KIND STATE BROKER HOST PID
+ *                           failure  unknown-name NAME
+ *   listing             ->  inform   members NAME NAME ...
+ *   groups              ->  inform   groups GROUP GROUP ...
+ *   members GROUP       ->  inform   members-of GROUP NAME NAME ...
+ *                           failure  unknown-group GROUP
+ *   find-service QUERY  ->  inform   services SERVICE AGENT "ATTRIBUTES" SERVICE AGENT ...
+ *   subscribe QUERY     ->  inform   subscribe "QUERY"; and then, as often as it happens,
+ *                           inform   came SERVICE AGENT "ATTRIBUTES"
+ *                           inform   went SERVICE AGENT
+ *   unsubscribe QUERY   ->  inform   unsubscribe "QUERY"
+ *
+ * A list that does not fit one mail comes in several.  Changes concern the sender, or the agent
+ * that they name, if the sender may speak for it; they are answered only when reply-with is set:
+ *
+ *   group-create GROUP, group-join GROUP [AGENT], group-leave GROUP [AGENT],
+ *   withdraw SERVICE [AGENT], advertise SERVICE ["ATTRIBUTES" [SECONDS [AGENT]]]
+ *                       ->  inform   the change and its name
+ *                           failure  a word that says why not, and the name
+ *
+ * What cannot be read is answered with not-understood, question or change.
+ */
+
+/** Answers that this is not understood. */
+void query_refuse(struct broker *b, uint32_t own, const struct mail *question);
+
+/* --- what the kinds of questions share; an answer's content is put together in b->text -------- */
+
+/* Room for a field that is no name, too, so that it can be told. */
+typedef char query_name[MU_FIELD_MAX + 1];
+
+/* An answer that may not fit one mail. */
+struct query_list {
+    const struct mail *question;
+    const char *word, *of; /* each mail begins so; of: "" for nothing */
+    struct mu_text text;
+};
+
+/* Changes a line of groups or services in an agent's name.  @return why not, or NULL: done */
+typedef const char *query_change(struct broker *b, const char *name, const char *agent,
+                                 const struct said *said);
+
+/** Reads content that is one field.  @return false if it is not */
+bool query_field(const char *content, struct mu_text *out);
+
+/** Reads a question that is one field, into query_name.  @return false: answered, and counted */
+bool query_read_name(struct broker *b, const struct mail *question, query_name name);
+
+/** Reads the next field, if there is one, else "".  @return false: what is there is no field */
+bool query_field_optional(const char **content, char *to, size_t size);
+
+/**
+ * Says in whose name a change is made.
+ *
+ * @param named  whom the change names; "": nobody
+ * @return the agent's name; NULL: not in that one's, and the sender has been answered
+ */
+const char *query_actor(struct broker *b, const struct mail *question, const char *named);
+
+/** Answers that the question could not be read, and counts it. */
+void query_not_understood(struct broker *b, const struct mail *question);
+
+/** Answers a change; refusal: NULL when it is done. */
+void query_changed(struct broker *b, const struct mail *question, const char *refusal,
+                   const char *name);
+
+/** Makes a change that NAME or NAME AGENT asks for, and answers it. */
+void query_make_change(struct broker *b, const struct mail *question, query_change *change);
+
+void query_list_begin(struct broker *b, struct query_list *l, const struct mail *question,
+                      const char *word, const char *of);
+
+/** Sends what there is if it has no room for so many bytes more, and begins anew. */
+void query_list_room(struct broker *b, struct query_list *l, size_t bytes);
+
+/** Adds a name to a list. */
+void query_list_add(struct broker *b, struct query_list *l, const char *name);
+
+/** Sends what is left of a list, or that there is nothing. */
+void query_list_end(struct broker *b, const struct query_list *l);
+
+/* --- query_groups.c -------------------------------------------------------------------------- */
+
+void query_groups(struct broker *b, const struct mail *question);
+void query_members(struct broker *b, const struct mail *question);
+void query_group_create(struct broker *b, const struct mail *question);
+void query_group_join(struct broker *b, const struct mail *question);
+void query_group_leave(struct broker *b, const struct mail *question);
+
+/* --- query_services.c ------------------------------------------------------------------------ */
+
+void query_advertise(struct broker *b, const struct mail *question);
+void query_withdraw(struct broker *b, const struct mail *question);
+void query_find_service(struct broker *b, const struct mail *question);
+void query_subscribe(struct broker *b, const struct mail *question);
+void query_unsubscribe(struct broker *b, const struct mail *question);
+
+/* --- directive.c ----------------------------------------------------------------------------- */
+
+/*
+ * What the broker can be told to do while it runs: `muster do broker '(WORD VALUE...)'`.
+ *
+ *   (delivery-interval MS)  ->  inform   delivery-interval MS
+ *   a wrong value           ->  failure  "delivery-interval: expected ..."
+ *   another word            ->  failure  "the broker carries out: ..."
+ */
+
+/** Carries out a directive that the policy has let through, and answers it. */
+void directive_take(struct broker *b, uint32_t own, const struct mail *m);
+
+/* --- desk.c ---------------------------------------------------------------------------------- */
+
+/*
+ * Mail to the broker itself and to its parts: directives, questions for a state, questions to the
+ * white pages.
+ */
+
+/** Does what the mail wants, and answers it; own is whom it is for. */
+void desk_take(struct broker *b, uint32_t own, struct mail *m);
+
+/** Answers a mail to the broker itself. */
+void desk_answer(struct broker *b, const struct mail *question);
+
+/* --- notify.c -------------------------------------------------------------------------------- */
+
+/** Something may have changed: processes are woken, subscribers are sent what is news to them. */
+void notify_tell(struct broker *b);
+
+/** Tells a subscriber all that is news to him; silently: it counts as told. */
+void notify_review(struct broker *b, struct subscription *s, bool silently);
+
+/** An agent has come or gone. */
+void notify_presence(struct broker *b, uint32_t agent);
+
+/** Ends leases.  @param mail_ns  the mail clock */
+void notify_expire(struct broker *b, uint64_t mail_ns);
+
+/** A lock step begins, ends, takes in an agent. */
+void notify_freeze(struct broker *b);
+void notify_thaw(struct broker *b);
+void notify_enter(struct broker *b, uint32_t agent);
+
+/** Before anything is restored: the journal keeps the lines. */
+void notify_attach_journal(struct broker *b);
+
+/** Lines that have changed since these versions are to be on disk. */
+void notify_mark_journal(struct broker *b, uint64_t groups_since, uint64_t services_since);
+
+/* --- admission.c ----------------------------------------------------------------------------- */
+
+/* A mail comes in from the wire: taken once, whole, and only if there is room for it. */
+
+/**
+ * Takes a mail of an agent from the wire into the store.
+ *
+ * @return the mail, to be routed or dropped; or NULL: refused, counted, and the sender told
+ */
+struct mail *admission_take(struct broker *b, uint32_t sender, const muster_Mail *letter);
+
+/* --- router.c -------------------------------------------------------------------------------- */
+
+/* A mail's way: routed to the boxes of its receivers, acknowledged by each of them, or expired. */
+
+/** Puts an admitted mail on its way.  @return false if its sender may not send such a mail */
+bool router_route(struct broker *b, struct mail *m);
+
+/**
+ * Goes on with a mail that need not wait for an address, or no longer.
+ *
+ * @param names  fields of content: whom SCHEME:REST stands for; NULL: nobody can tell
+ * @return as router_route
+ */
+bool router_go_on(struct broker *b, struct mail *m, const char *names);
+
+/** Routes the mails of a sender that wait for a resolver's answer no longer. */
+void router_pump(struct broker *b, uint32_t sender);
+
+/** Ends all waits for answers that are overdue, or all waits, and routes the mails that waited. */
+void router_resolve_expire(struct broker *b, uint64_t mail_ns);
+void router_resolve_give_up(struct broker *b);
+
+/** @return whether the mail is for an agent in the lock step, or changes what is said of one */
+bool router_meets_lockstep(struct broker *b, const struct mail *m);
+
+#endif
