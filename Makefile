@@ -526,7 +526,7 @@ $(O)/muster.pc: FORCE
 
 install: all $(O)/muster.pc ## install programs, library, headers, rules, worlds: PREFIX=, DESTDIR=
 	install -d $(addprefix $(DESTDIR)$(PREFIX)/,bin lib/pkgconfig lib/muster include/muster share/muster/rules \
-	  share/muster/worlds share/muster/experiments share/man/man1)
+	  share/muster/worlds share/muster/experiments share/doc/muster share/man/man1)
 	install -m755 $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin
 	install -m644 $(O)/libmuster.a $(O)/libmuster.so.0 $(DESTDIR)$(PREFIX)/lib
 	ln -sf libmuster.so.0 $(DESTDIR)$(PREFIX)/lib/libmuster.so
@@ -536,13 +536,14 @@ install: all $(O)/muster.pc ## install programs, library, headers, rules, worlds
 	install -m644 rules/* $(DESTDIR)$(PREFIX)/share/muster/rules
 	install -m644 worlds/* $(DESTDIR)$(PREFIX)/share/muster/worlds
 	install -m644 experiments/* $(DESTDIR)$(PREFIX)/share/muster/experiments
+	install -m644 LICENSE NOTICE $(DESTDIR)$(PREFIX)/share/doc/muster
 	install -m644 docs/man/*.1 $(DESTDIR)$(PREFIX)/share/man/man1
 
 uninstall: ## remove what install put there
 	rm -f $(addprefix $(DESTDIR)$(PREFIX)/bin/,$(notdir $(PROGRAMS))) \
 	  $(addprefix $(DESTDIR)$(PREFIX)/lib/libmuster.,a so so.0) \
 	  $(DESTDIR)$(PREFIX)/lib/pkgconfig/muster.pc $(DESTDIR)$(PREFIX)/share/man/man1/muster*.1
-	rm -rf $(DESTDIR)$(PREFIX)/include/muster $(DESTDIR)$(PREFIX)/share/muster
+	rm -rf $(addprefix $(DESTDIR)$(PREFIX)/,include/muster share/muster share/doc/muster)
 
 clean: ## remove build/
 	rm -rf build
