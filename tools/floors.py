@@ -35,6 +35,7 @@ FLOORS = {
     "sim/session": "session.h",
     "sim": None,
 }
+FILES_MAX = 16  # of code in a floor
 # Modules with floors that are being put in order: `tools/tidy.py --floors` lists what is left.
 UNFINISHED = {"mind", "sim"}
 # Circles of files that later work cures, by module: the sizes may shrink, and never grow.
@@ -115,6 +116,27 @@ def include_problem(file, header):
     return None
 
 
+def without_comments(path):
+    return re.sub(r'/\*.*?\*/|//[^\n]*|"(\\.|[^"\\\n])*"', "", path.read_text(), flags=re.S)
+
+
+def struct_problems(root):
+    """@yield (file, why, module to blame): structs of a higher floor in the code of a lower one, and floors
+    with too many files"""
+    paths = {folder: sorted((root / "src" / folder).glob("*.[ch]")) for folder in FLOORS}
+    owner = {tag: folder for folder in reversed(FLOORS) for path in paths[folder] if path.suffix == ".h"
+             for tag in re.findall(r"\bstruct\s+(\w+)\s*\{", without_comments(path))}
+    for folder, files in paths.items():
+        module = folder.split("/")[0]
+        count = sum(path.suffix == ".c" for path in files)
+        if count > FILES_MAX:
+            yield root / "src" / folder, f"{count} files of code, more than {FILES_MAX}", module
+        for path in files:
+            for tag in sorted(set(re.findall(r"\bstruct\s+(\w+)\b", without_comments(path)))):
+                if RANK[owner.get(tag, folder)] > RANK[folder]:
+                    yield path, f"struct {tag} belongs to {owner[tag]}, which stands above {folder}", module
+
+
 def call_problems(calls, may_include):
     """@yield (file, why, module to blame): calls to a higher floor, and between strangers"""
     for f, to in calls.edges.items():
@@ -161,8 +183,7 @@ def pointers(root):
     """@yield (header, holder, names): pointers to functions in headers, by what has them"""
     for folder in ("include", "src"):
         for path in sorted((root / folder).rglob("*.h")):
-            text = re.sub(r"/\*.*?\*/|//[^\n]*", "", path.read_text(), flags=re.S)
-            text = re.sub(r'^#(?:[^\n]*\\\n)*[^\n]*$|extern "C" \{', "", text, flags=re.M)
+            text = re.sub(r'^#(?:[^\n]*\\\n)*[^\n]*$|extern\s+\{', "", without_comments(path), flags=re.M)
             for holder, names in holders(text):
                 yield path.relative_to(root), holder, names
 

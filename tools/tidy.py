@@ -171,6 +171,8 @@ def check_all():
             check(path)
     for path, why, module in floors.pointer_problems(ROOT):
         bad(ROOT / path, 1, why, module)
+    for path, why, module in floors.struct_problems(ROOT):
+        bad(path, 1, why, module)
     for path, n, word, term, _ in words.hits(ROOT, words.CURED):
         bad(path, n, f"{word}: say {term} (docs/concepts.md)")
     check_calls()

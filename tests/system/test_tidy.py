@@ -105,6 +105,16 @@ def test_another_folder_includes_the_public_header_only():
         check("2 problems" in said, said)
 
 
+def test_a_struct_of_a_higher_floor_is_not_known_below():
+    with folder() as out:
+        code, said = tidied(out, {"mind/mind.h": "struct mind {\n    int n;\n};\n",
+                                  "mind/load/load.h": "struct mind;\nint load_a(struct mind *m);\n",
+                                  "mind/answer.c": "int answer_a(struct mind *m);\n"})
+        check_equal(code, 1, "the exit code")
+        check("src/mind/load/load.h:1: struct mind belongs to mind, which stands above mind/load\n" in said, said)
+        check("1 problems" in said, said)
+
+
 def test_words_of_yesterday_are_found_in_names_and_comments():
     text = ('/* A capsule of a mind. */\nint glance_all(int *trips);\nint glance_all(int *trips)\n{\n'
             '    const char *said = "capsule";\n    return said[0] + trips[0]; // a snapshot\n}\n')
