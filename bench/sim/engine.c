@@ -83,14 +83,14 @@ struct bench {
 
 static void step(struct bench *b)
 {
-    const struct engine_percept *percepts = engine_sense_all(b->engine, b->wanted);
+    const struct engine_sample *percepts = engine_sense_all(b->engine, b->wanted);
     for (size_t i = 0; i < b->robots; i++) {
-        const struct engine_percept *p = &percepts[i];
-        wander_step(&b->minds[i], p->sonar_m, p->bumpers != 0);
+        const struct engine_sample *p = &percepts[i];
+        wander_step(&b->minds[i], p->percept.sonar_m, p->percept.bumpers != 0);
         double forward_m_s = b->minds[i].forward_m_s;
         double turn_rad_s = b->minds[i].turn_rad_s;
         MU_ASSERT(engine_command(b->engine, i, &forward_m_s, &turn_rad_s) == MU_OK);
-        b->way += fabs(p->forward_m_s) / (double)b->robots;
+        b->way += fabs(p->percept.forward_m_s) / (double)b->robots;
     }
     engine_step(b->engine);
 }
@@ -98,10 +98,12 @@ static void step(struct bench *b)
 /* What the last step read, which is outside the time that counts. */
 static void note_last(struct bench *b)
 {
-    const struct engine_percept *percepts = engine_sense_all(b->engine, b->wanted);
+    const struct engine_sample *percepts = engine_sense_all(b->engine, b->wanted);
     for (size_t i = 0; i < b->robots; i++) {
-        b->seen = hash_ranges(percepts[i].sonar_m, percepts[i].sonar_count, b->seen);
-        b->seen = hash_ranges(percepts[i].laser_m, percepts[i].laser_count, b->seen);
+        b->seen =
+            hash_ranges(percepts[i].percept.sonar_m, percepts[i].percept.sonar_count, b->seen);
+        b->seen =
+            hash_ranges(percepts[i].percept.laser_m, percepts[i].percept.laser_count, b->seen);
     }
 }
 
@@ -115,7 +117,7 @@ static void bench_open(struct bench *b, const struct world *world, bool laser, s
     b->seen = HASH_START;
     for (size_t i = 0; i < b->robots; i++) {
         wander_start(&b->minds[i], i);
-        b->wanted[i] = 1u << WORLD_SONAR | (laser ? 1u << WORLD_LASER : 0);
+        b->wanted[i] = MU_SENSE_SONAR | (laser ? MU_SENSE_LASER : 0);
     }
 }
 

@@ -62,8 +62,8 @@ static void bench_open(struct bench *b)
     for (size_t i = 0; i < robots; i++) {
         const struct world_robot *robot = &b->world->robots[i];
         wander_start(&b->minds[i], i);
-        b->driving[i] = 1u << WORLD_SONAR;
-        b->looking[i] = 1u << WORLD_LASER;
+        b->driving[i] = MU_SENSE_SONAR;
+        b->looking[i] = MU_SENSE_LASER;
         b->moving[i] = solid_box(robot->pose, robot->length_m / 2, robot->width_m / 2);
         b->moving[i].owner = (int32_t)i;
     }
@@ -72,10 +72,10 @@ static void bench_open(struct bench *b)
 
 static void drive(struct bench *b)
 {
-    const struct engine_percept *percepts = engine_sense_all(b->engine, b->driving);
+    const struct engine_sample *percepts = engine_sense_all(b->engine, b->driving);
     for (size_t i = 0; i < b->world->robot_count; i++) {
-        const struct engine_percept *p = &percepts[i];
-        wander_step(&b->minds[i], p->sonar_m, p->bumpers != 0);
+        const struct engine_sample *p = &percepts[i];
+        wander_step(&b->minds[i], p->percept.sonar_m, p->percept.bumpers != 0);
         double forward_m_s = b->minds[i].forward_m_s;
         double turn_rad_s = b->minds[i].turn_rad_s;
         MU_ASSERT(engine_command(b->engine, i, &forward_m_s, &turn_rad_s) == MU_OK);

@@ -70,7 +70,7 @@ static void trial_open(struct trial *t, const char *path)
     struct engine_options options = {.seed = 1, .step_ns = MU_STEP_NS};
     t->engine = engine_open(&t->world, &options);
     t->wanted = mu_startup_array(t->world.robot_count, sizeof *t->wanted);
-    t->wanted[0] = 1u << WORLD_SONAR;
+    t->wanted[0] = MU_SENSE_SONAR;
     distance_map_make(&t->map, &t->world);
     struct mind_options mind = {.name = "red",
                                 .seed = 1,
@@ -156,18 +156,14 @@ static void trial_place(struct trial *t, struct planner *planner, struct mu_rand
     exit(EXIT_FAILURE);
 }
 
-static struct mu_percept percept_of(const struct engine_percept *p, uint64_t time_ns)
+/* What it feels, and where it truly is. */
+static struct mu_percept percept_of(const struct engine_sample *sample, uint64_t time_ns)
 {
-    return (struct mu_percept){.time_ns = time_ns,
-                               .x_m = p->pose.x_m,
-                               .y_m = p->pose.y_m,
-                               .heading_rad = p->pose.heading_rad,
-                               .forward_m_s = p->forward_m_s,
-                               .turn_rad_s = p->turn_rad_s,
-                               .stalled = p->stalled,
-                               .battery_share = p->battery_share,
-                               .sonar_count = p->sonar_count,
-                               .sonar_m = p->sonar_m};
+    struct mu_percept p = engine_truth(sample);
+    p.time_ns = time_ns;
+    p.sonar_m = sample->percept.sonar_m;
+    p.sonar_count = sample->percept.sonar_count;
+    return p;
 }
 
 static double trial_far(const struct trial *t)
@@ -179,7 +175,7 @@ static double trial_far(const struct trial *t)
 /* One control step.  @return whether it wants to stand still */
 static bool trial_step(struct trial *t, uint64_t time_ns)
 {
-    const struct engine_percept *p = engine_sense_all(t->engine, t->wanted);
+    const struct engine_sample *p = engine_sense_all(t->engine, t->wanted);
     struct mu_percept percept = percept_of(&p[0], time_ns);
     struct mind_act act;
     mind_percept(t->mind, &percept);
@@ -192,7 +188,7 @@ static bool trial_step(struct trial *t, uint64_t time_ns)
     engine_step(t->engine);
     struct world_pose after = engine_pose(t->engine, 0);
     t->way_m += hypot(after.x_m - before.x_m, after.y_m - before.y_m);
-    t->stalled_s += p[0].stalled ? 1.0 / STEPS_A_SECOND : 0;
+    t->stalled_s += p[0].percept.stalled ? 1.0 / STEPS_A_SECOND : 0;
     t->seconds += 1.0 / STEPS_A_SECOND;
     t->inside += is_inside(t, after);
     return stays;

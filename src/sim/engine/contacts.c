@@ -25,14 +25,17 @@ static void contacts_wake(struct engine *e, int32_t body, int32_t by)
 }
 
 /* Marks the sector of a bumper: eighths of a turn, counted from ahead to the left. */
+/* Sectors of the bumper, as bits of a percept. */
+enum { CONTACTS_SECTORS = 8 };
+
 static void contacts_bump_at(struct engine *e, int32_t robot, double x, double y)
 {
     const struct ode_motion *m = &e->bodies[robot].motion;
     double dx = x - m->x;
     double dy = y - m->y;
     double bearing = atan2(m->c * dy - m->s * dx, m->c * dx + m->s * dy);
-    int sector = (int)floor(bearing * ENGINE_BUMPERS / (2 * M_PI) + 0.5);
-    e->robots[robot].bumpers |= 1u << ((sector + ENGINE_BUMPERS) % ENGINE_BUMPERS);
+    int sector = (int)floor(bearing * CONTACTS_SECTORS / (2 * M_PI) + 0.5);
+    e->robots[robot].bumpers |= 1u << ((sector + CONTACTS_SECTORS) % CONTACTS_SECTORS);
 }
 
 /* Two points are the ends of one side, which touches along its whole length. */

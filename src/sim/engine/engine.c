@@ -29,7 +29,7 @@ static void engine_take_memory(struct engine *e, const struct world *world)
     e->bodies = mu_startup_array(e->body_count, sizeof *e->bodies);
     e->robots = mu_startup_array(e->robot_count, sizeof *e->robots);
     e->objects = mu_startup_array(e->object_count, sizeof *e->objects);
-    e->percepts = mu_startup_array(e->robot_count, sizeof *e->percepts);
+    e->samples = mu_startup_array(e->robot_count, sizeof *e->samples);
     e->outlines = mu_startup_array(e->part_count, sizeof *e->outlines);
     e->pairs_max = ENGINE_PAIRS * e->part_count;
     e->pairs = mu_startup_array(e->pairs_max, sizeof *e->pairs);
@@ -196,7 +196,7 @@ static void engine_place_sensors(struct engine *e, size_t robot)
     sensors_place(e->sensors, robot, &(struct frame){m->x, m->y, m->c, m->s});
 }
 
-const struct engine_percept *engine_sense_all(struct engine *e, const uint32_t wanted[])
+const struct engine_sample *engine_sense_all(struct engine *e, const uint32_t wanted[])
 {
     for (size_t i = 0; i < e->robot_count; i++) {
         engine_place_sensors(e, i);
@@ -204,11 +204,11 @@ const struct engine_percept *engine_sense_all(struct engine *e, const uint32_t w
     space_refresh(e);
     sensors_read_all(e->sensors, wanted, e->steps);
     for (size_t i = 0; i < e->robot_count; i++) {
-        engine_feel(e, i, &e->percepts[i]);
+        engine_feel(e, i, &e->samples[i]);
         e->bodies[i].placed = false;
-        sensors_tell(e->sensors, i, wanted[i], &e->percepts[i]);
+        sensors_tell(e->sensors, i, wanted[i], &e->samples[i].percept);
     }
-    return e->percepts;
+    return e->samples;
 }
 
 size_t engine_body_count(const struct engine *e)

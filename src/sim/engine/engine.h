@@ -59,8 +59,12 @@ MU_MUST_USE mu_result engine_grip(struct engine *e, size_t robot, int32_t paddle
 /** Runs one control step. */
 void engine_step(struct engine *e);
 
-/* All bits of enum world_sensor. */
-#define ENGINE_ALL_SENSES ((1u << WORLD_SENSORS) - 1)
+/* A robot at one step: what its body senses, and what only the simulator knows. */
+struct engine_sample {
+    struct mu_percept percept; /* without name and time; its lists are good until the next step */
+    struct world_pose pose;    /* as it is; heading in (-pi, pi] */
+    bool placed;               /* it did not drive here: somebody put it here */
+};
 
 /**
  * Reads the wanted sensors of every robot.
@@ -68,10 +72,13 @@ void engine_step(struct engine *e);
  * An unwanted sensor costs no time and has an empty reading.  A sensor that is not due keeps its
  * last reading.
  *
- * @param wanted  for each robot, bits 1 << enum world_sensor
+ * @param wanted  for each robot, bits of enum mu_sense
  * @return one percept per robot, owned by the engine, valid until the next step or reading
  */
-const struct engine_percept *engine_sense_all(struct engine *e, const uint32_t wanted[]);
+const struct engine_sample *engine_sense_all(struct engine *e, const uint32_t wanted[]);
+
+/** @return the percept with where the body truly is, and without lists: what a watcher sees */
+struct mu_percept engine_truth(const struct engine_sample *sample);
 
 /** @return the number of bodies: all robots, then all objects, numbered as in struct world */
 size_t engine_body_count(const struct engine *e);

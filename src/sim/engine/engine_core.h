@@ -66,7 +66,7 @@ struct engine_robot {
     double drive_w;     /* mechanical power of the wheels in this substep */
     double charge_w;    /* power that a charger at its side offers */
     uint32_t bumpers;   /* sectors touched in this step */
-    uint32_t grip_felt; /* bits of enum engine_gripper */
+    uint32_t grip_felt; /* bits of enum mu_gripper */
 };
 
 struct engine_object {
@@ -136,8 +136,8 @@ struct engine {
     struct neighbours neighbours;
     struct grid_near near;
     struct sensors *sensors;
-    struct engine_percept *percepts; /* of the last engine_sense_all */
-    char reason[160];                /* of the last refusal */
+    struct engine_sample *samples; /* of the last engine_sense_all */
+    char reason[160];              /* of the last refusal */
 };
 
 /* bodies.c: */
@@ -245,7 +245,7 @@ void separate_all(struct engine *e);
 /* percept.c: */
 
 /** Fills in what a robot knows of itself: all but what it sees.  Changes nothing. */
-void engine_feel(const struct engine *e, size_t robot, struct engine_percept *out);
+void engine_feel(const struct engine *e, size_t robot, struct engine_sample *out);
 
 /* sanity.c: */
 

@@ -294,12 +294,12 @@ static uint32_t grip_feel(struct engine *e, size_t robot)
     const struct {
         bool is;
         uint32_t bit;
-    } bits[] = {{true, ENGINE_GRIPPER_THERE},
-                {holds || g->closed >= 1, ENGINE_GRIPPER_CLOSED},
-                {gripper_is_up(g), ENGINE_GRIPPER_LIFTED},
-                {grip_beam_is_broken(e, robot, true), ENGINE_GRIPPER_OUTER_BEAM},
-                {grip_beam_is_broken(e, robot, false), ENGINE_GRIPPER_INNER_BEAM},
-                {holds, ENGINE_GRIPPER_HOLDS}};
+    } bits[] = {{true, MU_GRIPPER_THERE},
+                {holds || g->closed >= 1, MU_GRIPPER_CLOSED},
+                {gripper_is_up(g), MU_GRIPPER_LIFTED},
+                {grip_beam_is_broken(e, robot, true), MU_GRIPPER_OUTER_BEAM},
+                {grip_beam_is_broken(e, robot, false), MU_GRIPPER_INNER_BEAM},
+                {holds, MU_GRIPPER_HOLDS}};
     uint32_t felt = 0;
     for (size_t i = 0; i < sizeof bits / sizeof bits[0]; i++) {
         felt |= bits[i].is ? bits[i].bit : 0;

@@ -153,18 +153,18 @@ void frame_begin(struct frame_builder *v, int64_t step, uint64_t time_ns)
     v->orders.count = 0;
 }
 
-void frame_take_body(struct frame_builder *v, size_t robot, const struct engine_percept *percept,
+void frame_take_body(struct frame_builder *v, size_t robot, const struct engine_sample *sample,
                      const struct tally *tally)
 {
     muster_RobotView *r = &v->frame.robots._buffer[robot];
-    r->x_m = percept->pose.x_m;
-    r->y_m = percept->pose.y_m;
-    r->heading_rad = percept->pose.heading_rad;
-    r->forward_m_s = percept->forward_m_s;
-    r->turn_rad_s = percept->turn_rad_s;
-    r->stalled = percept->stalled;
-    r->fault = percept->fault;
-    r->placed = percept->placed;
+    r->x_m = sample->pose.x_m;
+    r->y_m = sample->pose.y_m;
+    r->heading_rad = sample->pose.heading_rad;
+    r->forward_m_s = sample->percept.forward_m_s;
+    r->turn_rad_s = sample->percept.turn_rad_s;
+    r->stalled = sample->percept.stalled;
+    r->fault = sample->percept.fault;
+    r->placed = sample->placed;
     r->distance_m = tally->distance_m;
     r->stalled_s = tally->stalled_s;
     r->stalls = tally->stalls;

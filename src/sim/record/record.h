@@ -76,7 +76,7 @@ struct tally {
  * @param step_ns  what a stall counts that is there in the very first step
  */
 void tally_take(struct tally *t, uint64_t time_ns, uint64_t step_ns,
-                const struct engine_percept *percept);
+                const struct engine_sample *sample);
 
 /*
  * What stands in a world, for observers: what every Frame is drawn on.
@@ -138,7 +138,7 @@ struct frame_builder *frame_open(const struct world *world, const char *simulato
 void frame_begin(struct frame_builder *v, int64_t step, uint64_t time_ns);
 
 /** Says where a robot is, how it moves, and what it has come to. */
-void frame_take_body(struct frame_builder *v, size_t robot, const struct engine_percept *percept,
+void frame_take_body(struct frame_builder *v, size_t robot, const struct engine_sample *sample,
                      const struct tally *tally);
 
 /** Says where an object is. */
@@ -183,7 +183,7 @@ MU_MUST_USE mu_result tracks_open(struct tracks **out, const char *path);
 
 /** Adds a row.  A full disk shows at the close. */
 void tracks_add(struct tracks *r, uint64_t time_ns, const char *robot,
-                const struct engine_percept *percept);
+                const struct engine_sample *sample);
 
 /** @return MU_OK, or MU_FAULT_OS when the file is not whole, said on standard error */
 MU_MUST_USE mu_result tracks_close(struct tracks *r);

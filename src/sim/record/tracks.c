@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "sim/record/record.h"
 
+#include "core/sensors.h"
 #include "muster/memory.h"
 
 #include <errno.h>
@@ -36,7 +37,14 @@ mu_result tracks_open(struct tracks **out, const char *path)
         return tracks_fault(path, "create");
     }
     setvbuf(r->file, r->buffer, _IOFBF, sizeof r->buffer);
-    fputs("time_s,robot,x_m,y_m,heading_rad,forward_m_s,turn_rad_s,stalled\n", r->file);
+    fputs("time_s,robot", r->file);
+#define COLUMN(type, member, unit, column, ...) \
+    if (column[0]) {                            \
+        fputs("," column, r->file);             \
+    }
+    MU_READINGS(COLUMN)
+#undef COLUMN
+    fputc('\n', r->file);
     *out = r;
     return MU_OK;
 }
@@ -80,26 +88,39 @@ static void placement_add(struct tracks *r, uint64_t time_ns, const char *robot)
     }
 }
 
-void tracks_add(struct tracks *r, uint64_t time_ns, const char *robot,
-                const struct engine_percept *p)
+static char *column_write(char *to, bool flag, double value)
 {
-    char row[8 * 24 + MU_NAME_MAX + 1];
+    *to++ = ',';
+    if (!flag) {
+        return number_write(to, value);
+    }
+    *to++ = value != 0 ? '1' : '0';
+    return to;
+}
+
+void tracks_add(struct tracks *r, uint64_t time_ns, const char *robot,
+                const struct engine_sample *sample)
+{
+    char row[(2 + MU_READING_COUNT) * 24 + MU_NAME_MAX + 1];
     char *end = number_write(row, (double)time_ns * 1e-9);
     size_t len = strlen(robot);
+    struct mu_percept body = engine_truth(sample);
     *end++ = ',';
     memcpy(end, robot, len);
     end += len;
-    const double numbers[] = {p->pose.x_m, p->pose.y_m, p->pose.heading_rad, p->forward_m_s,
-                              p->turn_rad_s};
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
-        *end++ = ',';
-        end = number_write(end, numbers[i]);
+#define COLUMN(type, member, unit, column, ...)     \
+    if (column[0]) {                                \
+        end = column_write(end,                     \
+                           _Generic((type)0, bool   \
+                                    : true, default \
+                                    : false),       \
+                           (double)body.member);    \
     }
-    *end++ = ',';
-    *end++ = p->stalled ? '1' : '0';
+    MU_READINGS(COLUMN)
+#undef COLUMN
     *end++ = '\n';
     fwrite(row, 1, (size_t)(end - row), r->file);
-    if (p->placed) {
+    if (sample->placed) {
         placement_add(r, time_ns, robot);
     }
 }

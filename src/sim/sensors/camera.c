@@ -45,7 +45,7 @@ static uint32_t camera_run(const struct camera *camera, const struct sensing *at
 }
 
 /* Inserts a blob by its range.  In a full list the farthest blob is dropped. */
-static size_t camera_rank(struct engine_blob blobs[], size_t count, const struct engine_blob *blob)
+static size_t camera_rank(struct mu_blob blobs[], size_t count, const struct mu_blob *blob)
 {
     if (count == MU_BLOBS_MAX && !(blob->range_m < blobs[count - 1].range_m)) {
         return count;
@@ -59,8 +59,7 @@ static size_t camera_rank(struct engine_blob blobs[], size_t count, const struct
     return count;
 }
 
-size_t camera_read(const struct camera *camera, const struct sensing *at,
-                   struct engine_blob blobs[])
+size_t camera_read(const struct camera *camera, const struct sensing *at, struct mu_blob blobs[])
 {
     struct frame from = frame_join(&at->robot, &camera->place);
     struct fan_eye eye = {from.x, from.y, from.c, from.s, camera->range_m, SOLID_SHOWS};
@@ -75,10 +74,10 @@ size_t camera_read(const struct camera *camera, const struct sensing *at,
         next = camera_run(camera, at, first);
         uint32_t rgb = gather_solid(at->gather, at->hit[first])->rgb;
         double middle = table->first_rad + table->step_rad * (first + next - 1) / 2;
-        struct engine_blob blob = {.rgb = rgb,
-                                   .bearing_rad = middle,
-                                   .width_rad = table->step_rad * (next - first),
-                                   .range_m = at->range_m[(first + next - 1) / 2]};
+        struct mu_blob blob = {.rgb = rgb,
+                               .bearing_rad = middle,
+                               .width_rad = table->step_rad * (next - first),
+                               .range_m = at->range_m[(first + next - 1) / 2]};
         if (camera_looks_for(camera, rgb)) {
             count = camera_rank(blobs, count, &blob);
         }

@@ -38,7 +38,7 @@ static bool fiducials_free(const struct sensing *at, const struct frame *eye,
 /* Measures a bearer.  @return whether the finder sees it */
 static bool fiducials_look(const struct fiducials *finder, const struct sensing *at,
                            const struct frame *eye, const struct solid *bearer,
-                           struct engine_fiducial *out)
+                           struct mu_fiducial *out)
 {
     double gx = bearer->x - eye->x;
     double gy = bearer->y - eye->y;
@@ -52,16 +52,16 @@ static bool fiducials_look(const struct fiducials *finder, const struct sensing 
     }
     double c = eye->c * bearer->c + eye->s * bearer->s;
     double s = eye->c * bearer->s - eye->s * bearer->c;
-    *out = (struct engine_fiducial){.number = range <= finder->range_id_m ? bearer->fiducial : 0,
-                                    .bearing_rad = bearing,
-                                    .range_m = range,
-                                    .heading_rad = atan2(s, c)};
+    *out = (struct mu_fiducial){.number = range <= finder->range_id_m ? bearer->fiducial : 0,
+                                .bearing_rad = bearing,
+                                .range_m = range,
+                                .heading_rad = atan2(s, c)};
     return true;
 }
 
 /* Inserts a fiducial by its range.  In a full list the farthest one is dropped. */
-static size_t fiducials_rank(struct engine_fiducial found[], size_t count,
-                             const struct engine_fiducial *one)
+static size_t fiducials_rank(struct mu_fiducial found[], size_t count,
+                             const struct mu_fiducial *one)
 {
     if (count == MU_FIDUCIALS_MAX && !(one->range_m < found[count - 1].range_m)) {
         return count;
@@ -76,13 +76,13 @@ static size_t fiducials_rank(struct engine_fiducial found[], size_t count,
 }
 
 size_t fiducials_read(const struct fiducials *finder, const struct sensing *at,
-                      struct engine_fiducial found[])
+                      struct mu_fiducial found[])
 {
     struct frame eye = frame_join(&at->robot, &finder->place);
     size_t count = 0;
     for (size_t k = 0; k < at->near.solids.count; k++) {
         const struct solid *bearer = gather_solid(at->gather, at->near.solids.id[k]);
-        struct engine_fiducial one;
+        struct mu_fiducial one;
         if (bearer->fiducial != 0 && fiducials_look(finder, at, &eye, bearer, &one)) {
             count = fiducials_rank(found, count, &one);
         }

@@ -138,8 +138,7 @@ double camera_reach(const struct camera *camera);
  * @param blobs  out: the nearest ones, nearest first; room for MU_BLOBS_MAX
  * @return how many
  */
-size_t camera_read(const struct camera *camera, const struct sensing *at,
-                   struct engine_blob blobs[]);
+size_t camera_read(const struct camera *camera, const struct sensing *at, struct mu_blob blobs[]);
 
 /* --- fiducials -------------------------------------------------------------------------------- */
 
@@ -164,6 +163,6 @@ double fiducials_reach(const struct fiducials *finder);
  * @return how many
  */
 size_t fiducials_read(const struct fiducials *finder, const struct sensing *at,
-                      struct engine_fiducial found[]);
+                      struct mu_fiducial found[]);
 
 #endif

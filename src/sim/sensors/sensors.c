@@ -16,10 +16,10 @@ enum {
 #define SENSORS_NEVER UINT64_MAX
 
 /* Those that work on what gather_near collects. */
-#define SENSORS_NEAR ((1u << WORLD_LASER) | (1u << WORLD_CAMERA) | (1u << WORLD_FIDUCIALS))
+#define SENSORS_NEAR (MU_SENSE_LASER | MU_SENSE_CAMERA | MU_SENSE_FIDUCIALS)
 
 /* Those, and who looks through the same tiles. */
-#define SENSORS_GATHERED (SENSORS_NEAR | (1u << WORLD_SONAR))
+#define SENSORS_GATHERED (SENSORS_NEAR | MU_SENSE_SONAR)
 
 /* The sensors of robots that have the same. */
 struct sensors_kind {
@@ -28,33 +28,25 @@ struct sensors_kind {
     struct laser laser;
     struct camera camera;
     struct fiducials finder;
-    uint32_t has;   /* bits of enum world_sensor */
-    double reach_m; /* of all that work on what is near */
+    uint32_t has;                  /* bits of enum mu_sense */
+    double reach_m;                /* of all that work on what is near */
+    size_t room[MU_CHANNEL_COUNT]; /* elements of each list */
 };
 
-/* What changes by reading, beside the readings themselves. */
-struct sensors_record {
-    uint64_t read_ns[WORLD_SENSORS]; /* SENSORS_NEVER: not yet */
-    size_t blob_count, fiducial_count;
+/* The lists of the table: of one robot, and all robots' one behind the other. */
+#define SENSORS_LIST(id, senses, type, list, count, ...) \
+    type *list;                                          \
+    size_t count;
+struct sensors_lists {
+    MU_CHANNELS(SENSORS_LIST)
 };
 
 struct sensors_robot {
     const struct sensors_kind *kind;
     struct frame frame;
-    uint64_t period_ns[WORLD_SENSORS];
-    struct sensors_record *record;
-    float *sonar_m, *laser_m; /* these and the next are parts of struct sensors_memory */
-    struct engine_blob *blobs;
-    struct engine_fiducial *fiducials;
-};
-
-/* The readings of all robots, each kind of them in one piece. */
-struct sensors_memory {
-    struct sensors_record *records;
-    float *ranges_m;
-    struct engine_blob *blobs;
-    struct engine_fiducial *fiducials;
-    size_t record_count, range_count, blob_count, fiducial_count;
+    uint64_t period_ns[MU_SENSOR_COUNT];
+    uint64_t read_ns[MU_SENSOR_COUNT]; /* SENSORS_NEVER: not yet */
+    struct sensors_lists lists;
 };
 
 struct sensors {
@@ -64,7 +56,7 @@ struct sensors {
     size_t kind_count;
     struct sensors_robot *robots;
     size_t robot_count;
-    struct sensors_memory memory;
+    struct sensors_lists memory;
     struct sensing *workers; /* one for each thread */
     struct pool *pool;
     /* Of the job that is being done: */
@@ -99,10 +91,14 @@ static void sensors_kind_init(struct sensors_kind *kind, const struct world_robo
     double camera_m = camera_reach(&kind->camera);
     double finder_m = fiducials_reach(&kind->finder);
     kind->reach_m = fmax(laser_m, fmax(camera_m, finder_m));
-    kind->has = (kind->sonars.count > 0 ? 1u << WORLD_SONAR : 0) |
-                (kind->laser.table.count > 0 ? 1u << WORLD_LASER : 0) |
-                (kind->camera.table.count > 0 ? 1u << WORLD_CAMERA : 0) |
-                (finder_m > 0 ? 1u << WORLD_FIDUCIALS : 0);
+    kind->has = (kind->sonars.count > 0 ? MU_SENSE_SONAR : 0) |
+                (kind->laser.table.count > 0 ? MU_SENSE_LASER : 0) |
+                (kind->camera.table.count > 0 ? MU_SENSE_CAMERA : 0) |
+                (finder_m > 0 ? MU_SENSE_FIDUCIALS : 0);
+    kind->room[MU_CHANNEL_SONAR] = kind->sonars.count;
+    kind->room[MU_CHANNEL_LASER] = kind->laser.table.count;
+    kind->room[MU_CHANNEL_BLOBS] = kind->has & MU_SENSE_CAMERA ? MU_BLOBS_MAX : 0;
+    kind->room[MU_CHANNEL_FIDUCIALS] = kind->has & MU_SENSE_FIDUCIALS ? MU_FIDUCIALS_MAX : 0;
 }
 
 static const struct sensors_kind *sensors_kind_of(struct sensors *s,
@@ -123,42 +119,36 @@ static void sensors_robot_init(struct sensors *s, size_t i)
     const struct world_robot *model = &s->scene.world->robots[i];
     r->kind = sensors_kind_of(s, model);
     memcpy(r->period_ns, model->period_ns, sizeof r->period_ns);
-    struct sensors_memory *m = &s->memory;
-    m->record_count++;
-    m->range_count += r->kind->sonars.count + r->kind->laser.table.count;
-    m->blob_count += r->kind->has & (1u << WORLD_CAMERA) ? MU_BLOBS_MAX : 0;
-    m->fiducial_count += r->kind->has & (1u << WORLD_FIDUCIALS) ? MU_FIDUCIALS_MAX : 0;
+#define RESERVE(id, senses, type, list, count, ...) \
+    s->memory.count += r->kind->room[MU_CHANNEL_##id];
+    MU_CHANNELS(RESERVE)
+#undef RESERVE
 }
 
-static void sensors_memory_take(struct sensors_memory *m)
+/* A plain list is always as long as its room, from the first reading on. */
+static void sensors_lists_init(struct sensors *s)
 {
-    m->records = mu_startup_array(m->record_count, sizeof *m->records);
-    m->ranges_m = mu_startup_array(m->range_count, sizeof *m->ranges_m);
-    m->blobs = mu_startup_array(m->blob_count, sizeof *m->blobs);
-    m->fiducials = mu_startup_array(m->fiducial_count, sizeof *m->fiducials);
-}
-
-static void sensors_memory_share(struct sensors *s)
-{
-    struct sensors_memory next = s->memory;
+#define TAKE(id, senses, type, list, count, ...) \
+    s->memory.list = mu_startup_array(s->memory.count, sizeof(type));
+    MU_CHANNELS(TAKE)
+#undef TAKE
+    struct sensors_lists next = s->memory;
     for (size_t i = 0; i < s->robot_count; i++) {
         struct sensors_robot *r = &s->robots[i];
-        r->record = next.records++;
-        r->sonar_m = next.ranges_m;
-        r->laser_m = r->sonar_m + r->kind->sonars.count;
-        r->blobs = next.blobs;
-        r->fiducials = next.fiducials;
-        next.ranges_m = r->laser_m + r->kind->laser.table.count;
-        next.blobs += r->kind->has & (1u << WORLD_CAMERA) ? MU_BLOBS_MAX : 0;
-        next.fiducials += r->kind->has & (1u << WORLD_FIDUCIALS) ? MU_FIDUCIALS_MAX : 0;
+#define SHARE(id, senses, type, list, count, ...)    \
+    r->lists.list = next.list;                       \
+    r->lists.count = r->kind->room[MU_CHANNEL_##id]; \
+    next.list += r->lists.count;
+        MU_CHANNELS(SHARE)
+#undef SHARE
     }
 }
 
 void sensors_forget(struct sensors *s)
 {
     for (size_t i = 0; i < s->robot_count; i++) {
-        for (size_t k = 0; k < WORLD_SENSORS; k++) {
-            s->robots[i].record->read_ns[k] = SENSORS_NEVER;
+        for (size_t k = 0; k < MU_SENSOR_COUNT; k++) {
+            s->robots[i].read_ns[k] = SENSORS_NEVER;
         }
     }
 }
@@ -196,8 +186,7 @@ struct sensors *sensors_open(const struct sensors_scene *scene)
     for (size_t i = 0; i < s->robot_count; i++) {
         sensors_robot_init(s, i);
     }
-    sensors_memory_take(&s->memory);
-    sensors_memory_share(s);
+    sensors_lists_init(s);
     sensors_forget(s);
     const struct grid_layer *still = &scene->grid->still;
     const struct grid_layer *moving = &scene->grid->moving;
@@ -221,10 +210,10 @@ void sensors_place(struct sensors *s, size_t robot, const struct frame *frame)
 /* --- reading ---------------------------------------------------------------------------------- */
 
 /* A period begins anew at each multiple of it, so that sensors of one period read together. */
-static bool sensors_due(const struct sensors_robot *r, enum world_sensor sensor, uint64_t now_ns)
+static bool sensors_due(const struct sensors_robot *r, enum mu_sensor sensor, uint64_t now_ns)
 {
     uint64_t period_ns = r->period_ns[sensor];
-    uint64_t read_ns = r->record->read_ns[sensor];
+    uint64_t read_ns = r->read_ns[sensor];
     return period_ns == 0 || read_ns == SENSORS_NEVER || now_ns / period_ns != read_ns / period_ns;
 }
 
@@ -233,10 +222,10 @@ static uint32_t sensors_take_due(const struct sensors *s, struct sensors_robot *
 {
     uint64_t now_ns = s->step * s->scene.step_ns;
     uint32_t due = 0;
-    for (uint32_t k = 0; k < WORLD_SENSORS; k++) {
-        if ((wanted & r->kind->has & (1u << k)) && sensors_due(r, (enum world_sensor)k, now_ns)) {
+    for (uint32_t k = 0; k < MU_SENSOR_COUNT; k++) {
+        if ((wanted & r->kind->has & (1u << k)) && sensors_due(r, (enum mu_sensor)k, now_ns)) {
             due |= 1u << k;
-            r->record->read_ns[k] = now_ns;
+            r->read_ns[k] = now_ns;
         }
     }
     return due;
@@ -255,17 +244,17 @@ static void sensors_read_robot(const struct sensors *s, size_t i, uint32_t wante
         struct gather_circle circle = {r->frame.x, r->frame.y, kind->reach_m};
         gather_near(&s->gather, &circle, at->self, &at->near);
     }
-    if (due & (1u << WORLD_SONAR)) {
-        sonar_read(&kind->sonars, at, r->sonar_m);
+    if (due & MU_SENSE_SONAR) {
+        sonar_read(&kind->sonars, at, r->lists.sonar_m);
     }
-    if (due & (1u << WORLD_LASER)) {
-        laser_read(&kind->laser, at, r->laser_m);
+    if (due & MU_SENSE_LASER) {
+        laser_read(&kind->laser, at, r->lists.laser_m);
     }
-    if (due & (1u << WORLD_CAMERA)) {
-        r->record->blob_count = camera_read(&kind->camera, at, r->blobs);
+    if (due & MU_SENSE_CAMERA) {
+        r->lists.blob_count = camera_read(&kind->camera, at, r->lists.blobs);
     }
-    if (due & (1u << WORLD_FIDUCIALS)) {
-        r->record->fiducial_count = fiducials_read(&kind->finder, at, r->fiducials);
+    if (due & MU_SENSE_FIDUCIALS) {
+        r->lists.fiducial_count = fiducials_read(&kind->finder, at, r->lists.fiducials);
     }
 }
 
@@ -299,25 +288,15 @@ void sensors_read_all(struct sensors *s, const uint32_t wanted[], uint64_t step)
     pool_run(s->pool, pieces, sensors_read_piece, s);
 }
 
-void sensors_tell(const struct sensors *s, size_t robot, uint32_t wanted,
-                  struct engine_percept *out)
+void sensors_tell(const struct sensors *s, size_t robot, uint32_t wanted, struct mu_percept *out)
 {
     const struct sensors_robot *r = &s->robots[robot];
     uint32_t told = wanted & r->kind->has;
-    if (told & (1u << WORLD_SONAR)) {
-        out->sonar_m = r->sonar_m;
-        out->sonar_count = r->kind->sonars.count;
+#define TELL(id, senses, type, list, count, ...) \
+    if ((told & (senses)) == (senses)) {         \
+        out->list = r->lists.list;               \
+        out->count = r->lists.count;             \
     }
-    if (told & (1u << WORLD_LASER)) {
-        out->laser_m = r->laser_m;
-        out->laser_count = r->kind->laser.table.count;
-    }
-    if (told & (1u << WORLD_CAMERA)) {
-        out->blobs = r->blobs;
-        out->blob_count = r->record->blob_count;
-    }
-    if (told & (1u << WORLD_FIDUCIALS)) {
-        out->fiducials = r->fiducials;
-        out->fiducial_count = r->record->fiducial_count;
-    }
+    MU_CHANNELS(TELL)
+#undef TELL
 }

@@ -163,7 +163,7 @@ static void body_numbers(const void *self, int body, struct condition_numbers *o
 static bool robot_stalled(const void *self, int robot)
 {
     const struct session *s = self;
-    return s->robots[robot].percept.stalled;
+    return s->robots[robot].sensed.percept.stalled;
 }
 
 static bool robot_counts(const void *self, int robot)

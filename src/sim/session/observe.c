@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What observers are told of a run: the Scene once, and Frames as long as somebody wants them. */
+#include "bus/percept.h"
 #include "sim/session/parts.h"
 
 #include "core/clock.h"
@@ -66,10 +67,10 @@ static unsigned wanted_by(const struct session *s, bool last)
 static void robot_view(struct session *s, size_t robot)
 {
     const struct session_robot *r = &s->robots[robot];
-    frame_take_body(s->view, robot, &r->percept, &s->tallies[robot]);
+    frame_take_body(s->view, robot, &r->sensed, &s->tallies[robot]);
     if (s->agents.at[robot].process >= 0) {
         muster_Percept percept = {.robot = s->world->robots[robot].name};
-        percepts_fill(&percept, &r->percept);
+        percept_pack(&percept, &r->sensed.percept);
         frame_add_percept(s->view, &percept);
     }
 }
@@ -78,7 +79,7 @@ void observe_begin(struct session *s, bool last)
 {
     uint64_t time_ns = (uint64_t)s->step * s->options.step_ns;
     for (size_t r = 0; r < s->robot_count; r++) {
-        tally_take(&s->tallies[r], time_ns, s->options.step_ns, &s->robots[r].percept);
+        tally_take(&s->tallies[r], time_ns, s->options.step_ns, &s->robots[r].sensed);
     }
     if (!s->options.free) {
         frame_clear(s->view); /* of a step that was broken off */

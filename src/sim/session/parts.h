@@ -52,12 +52,12 @@ struct session_robot {
     double forward_m_s, turn_rad_s;
     double command_forward_m_s, command_turn_rad_s; /* what its motors were told last */
     int32_t paddles, lift; /* of the last answer, as in Act: what its gripper is to do */
-    uint32_t senses;       /* that its controller asks for: bits 1 << enum world_sensor */
+    uint32_t senses;       /* that its controller asks for: bits of enum mu_sense */
     uint32_t off;          /* of them, those that somebody has switched off */
     uint32_t quiet_steps;  /* since a speed was set */
     uint64_t firings, mails_sent, mails_received, mails_duplicated;
     bool returned; /* its controller has begun in the middle: it was not handed all mail itself */
-    struct engine_percept percept;
+    struct engine_sample sensed;
 };
 
 /* What a process is in the run. */
@@ -184,7 +184,7 @@ struct session {
     struct session_agents agents;
     struct session_robot *robots;
     size_t robot_count;
-    uint32_t *wanted; /* of each robot: the sensors that this step reads, 1 << enum world_sensor */
+    uint32_t *wanted; /* of each robot: the sensors that this step reads, enum mu_sense */
     struct mu_table process_names;
     struct session_process *processes; /* MU_PROCESSES_MAX */
     uint32_t process_count;
@@ -365,9 +365,6 @@ muster_RunState phase_word(const struct session *s);
 void inbox_take(struct session *s);
 
 /* --- percepts.c: what goes out ---------------------------------------------------------------- */
-
-/** Fills in what a controller is sent of a body.  The lists stay the engine's. */
-void percepts_fill(muster_Percept *to, const struct engine_percept *from);
 
 /** Puts the samples of a step together. */
 void percepts_fill_samples(struct session *s, bool last);

@@ -29,7 +29,7 @@ void step_record(struct session *s)
         body_hash(s, r);
         if (s->tracks && s->agents.at[r].controlled) {
             tracks_add(s->tracks, (uint64_t)s->step * s->options.step_ns, s->agents.at[r].name,
-                       &s->robots[r].percept);
+                       &s->robots[r].sensed);
         }
     }
     for (size_t b = s->robot_count; b < engine_body_count(s->engine); b++) {

@@ -12,13 +12,11 @@
 
 #include "core/fault.h"
 #include "muster/limits.h"
+#include "muster/percept.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-
-/* The sensors that cost something: each is read only if a controller asks for it. */
-enum world_sensor { WORLD_SONAR, WORLD_LASER, WORLD_CAMERA, WORLD_FIDUCIALS, WORLD_SENSORS };
 
 struct world_pose {
     double x_m, y_m, heading_rad;
@@ -136,7 +134,7 @@ struct world_robot {
     struct world_camera camera;
     struct world_fiducial_finder finder;
     struct world_gripper gripper;
-    uint64_t period_ns[WORLD_SENSORS]; /* how often it reads; 0: every control step */
+    uint64_t period_ns[MU_SENSOR_COUNT]; /* how often it reads; 0: every control step */
 };
 
 /* Where a robot or a thing comes from. */

@@ -134,7 +134,7 @@ static mu_result device_add_sonar(struct device_reader *reader,
         .specular_rad = specular_deg * M_PI / 180,
         .noise = range->noise,
     };
-    reader->robot->period_ns[WORLD_SONAR] = reader->period_ns;
+    reader->robot->period_ns[MU_SENSOR_SONAR] = reader->period_ns;
     return MU_OK;
 }
 
@@ -155,7 +155,7 @@ static void device_add_laser(struct device_reader *reader, const struct worldfil
         .samples = range->samples,
         .noise = range->noise,
     };
-    robot->period_ns[WORLD_LASER] = reader->period_ns;
+    robot->period_ns[MU_SENSOR_LASER] = reader->period_ns;
 }
 
 static mu_result device_add_range(struct device_reader *reader,
@@ -274,7 +274,7 @@ static mu_result device_read_camera(struct device_reader *reader,
         return MU_OK;
     }
     reader->robot->camera = camera;
-    return device_read_period(b, entity, &reader->robot->period_ns[WORLD_CAMERA]);
+    return device_read_period(b, entity, &reader->robot->period_ns[MU_SENSOR_CAMERA]);
 }
 
 static mu_result device_read_finder(struct device_reader *reader,
@@ -302,7 +302,7 @@ static mu_result device_read_finder(struct device_reader *reader,
         return MU_OK;
     }
     reader->robot->finder = finder;
-    return device_read_period(b, entity, &reader->robot->period_ns[WORLD_FIDUCIALS]);
+    return device_read_period(b, entity, &reader->robot->period_ns[MU_SENSOR_FIDUCIALS]);
 }
 
 static mu_result device_read_paddles(struct builder *b, const struct worldfile_entity *entity,

@@ -128,16 +128,16 @@ static inline void physics_drive(struct engine *e, size_t robot, double forward_
 }
 
 /* All that one robot senses now; the others are not read. */
-static inline struct engine_percept physics_sense(struct engine *e, size_t robot)
+static inline struct engine_sample physics_sense(struct engine *e, size_t robot)
 {
     static uint32_t wanted[PHYSICS_BODIES];
     CU_ASSERT_FATAL(engine_body_count(e) <= PHYSICS_BODIES);
     memset(wanted, 0, sizeof wanted);
-    wanted[robot] = ENGINE_ALL_SENSES;
+    wanted[robot] = MU_SENSES;
     return engine_sense_all(e, wanted)[robot];
 }
 
-static inline struct engine_percept physics_run(struct engine *e, size_t robot, unsigned steps)
+static inline struct engine_sample physics_run(struct engine *e, size_t robot, unsigned steps)
 {
     for (unsigned k = 0; k < steps; k++) {
         engine_step(e);

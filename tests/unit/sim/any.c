@@ -120,10 +120,11 @@ static bool is_sound(struct engine *e)
         sound = sound && isfinite(p.heading_rad);
     }
     for (size_t i = 0; i < physics_world.robot_count; i++) {
-        struct engine_percept p = physics_sense(e, i);
-        held += (p.gripper & ENGINE_GRIPPER_HOLDS) != 0;
-        sound = sound && isfinite(p.forward_m_s + p.turn_rad_s + p.battery_share);
-        sound = sound && p.battery_share <= 1 && p.bumpers < 256;
+        struct engine_sample p = physics_sense(e, i);
+        held += (p.percept.gripper & MU_GRIPPER_HOLDS) != 0;
+        sound = sound &&
+                isfinite(p.percept.forward_m_s + p.percept.turn_rad_s + p.percept.battery_share);
+        sound = sound && p.percept.battery_share <= 1 && p.percept.bumpers < 256;
     }
     return sound && held <= physics_world.object_count;
 }

@@ -89,9 +89,9 @@ static void test_a_heap(void)
     size_t stalled = 0;
     size_t faults = 0;
     for (size_t i = 0; i < robots; i++) {
-        struct engine_percept p = physics_run(e, i, 0);
-        stalled += p.stalled;
-        faults += p.fault;
+        struct engine_sample p = physics_run(e, i, 0);
+        stalled += p.percept.stalled;
+        faults += p.percept.fault;
     }
     printf("%zu robots, %u s: %.1f mm deep, %zu stalled ", robots, seconds, deepest * 1e3, stalled);
     CU_ASSERT(deepest <= OVERLAP_MAX_M);
@@ -128,7 +128,7 @@ static void test_against_a_wall_and_head_on(void)
     CU_ASSERT(deepest <= OVERLAP_MAX_M);
     CU_ASSERT_TRUE(is_sound);
     for (size_t i = 0; i < 3; i++) {
-        CU_ASSERT_TRUE(physics_run(e, i, 0).stalled);
+        CU_ASSERT_TRUE(physics_run(e, i, 0).percept.stalled);
     }
     engine_close(e);
 }

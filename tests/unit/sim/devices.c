@@ -13,15 +13,16 @@ static void test_the_odometer_reads_the_wheels(void)
     for (size_t i = 0; i < 2; i++) {
         physics_drive(e, i, 0.4, 0.3);
     }
-    struct engine_percept p = physics_run(e, 0, 100);
+    struct engine_sample p = physics_run(e, 0, 100);
     /* Without slip, the way is the body's, turned from its start pose to the odometer's. */
-    CU_ASSERT_DOUBLE_EQUAL(p.odometer.x_m - 10, p.pose.y_m - 1, 0.02);
-    CU_ASSERT_DOUBLE_EQUAL(p.odometer.y_m - 20, 3 - p.pose.x_m, 0.02);
+    CU_ASSERT_DOUBLE_EQUAL(p.percept.odometer_x_m - 10, p.pose.y_m - 1, 0.02);
+    CU_ASSERT_DOUBLE_EQUAL(p.percept.odometer_y_m - 20, 3 - p.pose.x_m, 0.02);
     CU_ASSERT_DOUBLE_EQUAL(
-        remainder(p.odometer.heading_rad + M_PI / 2 - p.pose.heading_rad, 2 * M_PI), 0, 1e-4);
-    struct engine_percept q = physics_run(e, 1, 0);
-    CU_ASSERT_DOUBLE_EQUAL(q.odometer.x_m, q.pose.x_m, 0.02);
-    CU_ASSERT_DOUBLE_EQUAL(q.odometer.y_m, q.pose.y_m, 0.02);
+        remainder(p.percept.odometer_heading_rad + M_PI / 2 - p.pose.heading_rad, 2 * M_PI), 0,
+        1e-4);
+    struct engine_sample q = physics_run(e, 1, 0);
+    CU_ASSERT_DOUBLE_EQUAL(q.percept.odometer_x_m, q.pose.x_m, 0.02);
+    CU_ASSERT_DOUBLE_EQUAL(q.percept.odometer_y_m, q.pose.y_m, 0.02);
     engine_close(e);
 }
 
@@ -33,12 +34,12 @@ static void test_slip_is_not_noticed(void)
     r->reads_odometer = true;
     struct engine *e = physics_start(1);
     physics_drive(e, 0, 0.4, 0);
-    struct engine_percept p = physics_run(e, 0, 100);
+    struct engine_sample p = physics_run(e, 0, 100);
     double way = PHYSICS_DT_S * (0.5 * PHYSICS_DT_S * (40 * 41 / 2) + 460 * 0.4);
     CU_ASSERT_DOUBLE_EQUAL(p.pose.x_m, 1 - 0.22, 0.003);
-    CU_ASSERT_DOUBLE_EQUAL(p.odometer.x_m, way, 1e-9); /* its wheels spin at the wall */
-    CU_ASSERT_EQUAL(p.position.x_m, p.odometer.x_m);
-    CU_ASSERT_EQUAL(p.gps_x_m, p.pose.x_m);
+    CU_ASSERT_DOUBLE_EQUAL(p.percept.odometer_x_m, way, 1e-9); /* its wheels spin at the wall */
+    CU_ASSERT_EQUAL(p.percept.x_m, p.percept.odometer_x_m);
+    CU_ASSERT_EQUAL(p.percept.gps_x_m, p.pose.x_m);
     engine_close(e);
 }
 
@@ -51,9 +52,9 @@ static double gain_of(uint64_t seed, size_t robot)
     }
     struct engine *e = physics_start(seed);
     physics_drive(e, robot, 0.4, 0);
-    struct engine_percept p = physics_run(e, robot, 50);
+    struct engine_sample p = physics_run(e, robot, 50);
     engine_close(e);
-    return p.odometer.x_m / p.pose.x_m;
+    return p.percept.odometer_x_m / p.pose.x_m;
 }
 
 static void test_the_odometer_has_its_own_error(void)
@@ -85,18 +86,19 @@ static void test_noise_of_place_and_compass(void)
     double both = 0;
     double turn_2 = 0;
     for (int k = 0; k < READINGS; k++) {
-        struct engine_percept p = physics_run(e, 0, 1);
-        struct engine_percept again = physics_run(e, 0, 0);
-        struct engine_percept other = physics_run(e, 1, 0);
-        CU_ASSERT_EQUAL_FATAL(p.gps_x_m, again.gps_x_m); /* to read is to change nothing */
-        CU_ASSERT_EQUAL(p.position.x_m, p.gps_x_m);
-        CU_ASSERT_EQUAL(p.position.heading_rad, p.compass_rad);
-        CU_ASSERT(p.compass_rad > -M_PI && p.compass_rad <= M_PI);
-        double off = p.gps_x_m - p.pose.x_m;
-        double turn = remainder(p.compass_rad - p.pose.heading_rad, 2 * M_PI);
+        struct engine_sample p = physics_run(e, 0, 1);
+        struct engine_sample again = physics_run(e, 0, 0);
+        struct engine_sample other = physics_run(e, 1, 0);
+        CU_ASSERT_EQUAL_FATAL(p.percept.gps_x_m,
+                              again.percept.gps_x_m); /* to read is to change nothing */
+        CU_ASSERT_EQUAL(p.percept.x_m, p.percept.gps_x_m);
+        CU_ASSERT_EQUAL(p.percept.heading_rad, p.percept.compass_rad);
+        CU_ASSERT(p.percept.compass_rad > -M_PI && p.percept.compass_rad <= M_PI);
+        double off = p.percept.gps_x_m - p.pose.x_m;
+        double turn = remainder(p.percept.compass_rad - p.pose.heading_rad, 2 * M_PI);
         sum += off;
         sum_2 += off * off;
-        both += off * (p.gps_y_m - p.pose.y_m) + off * other.gps_x_m;
+        both += off * (p.percept.gps_y_m - p.pose.y_m) + off * other.percept.gps_x_m;
         turn_2 += turn * turn;
     }
     /* Standard errors: of the mean 0.011, of the deviation 0.008. */
@@ -119,8 +121,9 @@ static void test_the_place_drifts(void)
     for (uint64_t seed = 1; seed <= 8; seed++) {
         struct engine *e = physics_start(seed);
         for (size_t i = 0; i < ROBOTS; i++) {
-            struct engine_percept p = physics_run(e, i, i == 0 ? 250 : 0);
-            sum_2 += pow(p.gps_x_m - p.pose.x_m, 2) + pow(p.gps_y_m - p.pose.y_m, 2);
+            struct engine_sample p = physics_run(e, i, i == 0 ? 250 : 0);
+            sum_2 +=
+                pow(p.percept.gps_x_m - p.pose.x_m, 2) + pow(p.percept.gps_y_m - p.pose.y_m, 2);
             CU_ASSERT_EQUAL(p.pose.x_m, 0);
         }
         engine_close(e);
@@ -138,22 +141,22 @@ static void test_a_battery_lives_as_long_as_it_holds(void)
     r->power_w = 10;
     physics_robot(0, 2, 0);
     struct engine *e = physics_start(1);
-    CU_ASSERT_EQUAL(physics_run(e, 1, 0).battery_share, -1);
-    CU_ASSERT_EQUAL(physics_run(e, 0, 0).battery_share, 0.5);
-    CU_ASSERT_DOUBLE_EQUAL(physics_run(e, 0, 50).battery_share, 0.25, 1e-9);
+    CU_ASSERT_EQUAL(physics_run(e, 1, 0).percept.battery_share, -1);
+    CU_ASSERT_EQUAL(physics_run(e, 0, 0).percept.battery_share, 0.5);
+    CU_ASSERT_DOUBLE_EQUAL(physics_run(e, 0, 50).percept.battery_share, 0.25, 1e-9);
     physics_drive(e, 0, 0.4, 0);
-    struct engine_percept p = physics_run(e, 0, 20);
+    struct engine_sample p = physics_run(e, 0, 20);
     /* Two more seconds, and the work to get 9 kg to 0.4 m/s: a ramp of 40 equal forces. */
     double work = PHYSICS_ROBOT_KG * 0.01 / PHYSICS_DT_S * 0.01 * PHYSICS_DT_S * (40 * 41 / 2);
-    CU_ASSERT_DOUBLE_EQUAL(p.battery_share, (50 - 20 - work) / 200, 1e-6);
+    CU_ASSERT_DOUBLE_EQUAL(p.percept.battery_share, (50 - 20 - work) / 200, 1e-6);
     CU_ASSERT_DOUBLE_EQUAL(work, 0.5 * PHYSICS_ROBOT_KG * 0.4 * 0.4, 0.03);
     p = physics_run(e, 0, 28);
-    CU_ASSERT(p.battery_share > 0);
-    CU_ASSERT_DOUBLE_EQUAL(p.forward_m_s, 0.4, 1e-6);
+    CU_ASSERT(p.percept.battery_share > 0);
+    CU_ASSERT_DOUBLE_EQUAL(p.percept.forward_m_s, 0.4, 1e-6);
     physics_drive(e, 0, 0.4, 0);
     p = physics_run(e, 0, 12);
-    CU_ASSERT_EQUAL(p.battery_share, 0);
-    CU_ASSERT_DOUBLE_EQUAL(p.forward_m_s, 0, 1e-6);
+    CU_ASSERT_EQUAL(p.percept.battery_share, 0);
+    CU_ASSERT_DOUBLE_EQUAL(p.percept.forward_m_s, 0, 1e-6);
     double there = p.pose.x_m;
     physics_drive(e, 0, 0.4, 0);
     CU_ASSERT_DOUBLE_EQUAL(physics_run(e, 0, 20).pose.x_m, there, 1e-6);
@@ -173,22 +176,22 @@ static void test_a_charger_charges_whom_it_touches(void)
         r->take_w = 20;
     }
     struct engine *e = physics_start(1);
-    CU_ASSERT_DOUBLE_EQUAL(physics_run(e, 0, 10).battery_share, 0.1, 1e-9);
-    CU_ASSERT_DOUBLE_EQUAL(physics_run(e, 1, 0).battery_share, 0.15, 1e-9); /* on the pad */
+    CU_ASSERT_DOUBLE_EQUAL(physics_run(e, 0, 10).percept.battery_share, 0.1, 1e-9);
+    CU_ASSERT_DOUBLE_EQUAL(physics_run(e, 1, 0).percept.battery_share, 0.15, 1e-9); /* on the pad */
     physics_drive(e, 0, 0.3, 0);
     (void)physics_run(e, 0, 20);
     physics_drive(e, 0, 0, 0);
-    double before = physics_run(e, 0, 8).battery_share;
-    double after = physics_run(e, 0, 10).battery_share;
+    double before = physics_run(e, 0, 8).percept.battery_share;
+    double after = physics_run(e, 0, 10).percept.battery_share;
     CU_ASSERT_DOUBLE_EQUAL(after - before, 0.2, 1e-6); /* 20 W for 1 s, of 100 J */
-    CU_ASSERT_EQUAL(physics_run(e, 0, 100).battery_share, 1);
+    CU_ASSERT_EQUAL(physics_run(e, 0, 100).percept.battery_share, 1);
     engine_close(e);
 }
 
 /* Eight walls around, one at a time. */
 static void test_the_bumper_says_where(void)
 {
-    for (int k = 0; k < ENGINE_BUMPERS; k++) {
+    for (int k = 0; k < 8; k++) {
         double at = k * M_PI / 4 + 0.3;
         physics_clear();
         physics_robot(1, 2, 0.3 * 180 / M_PI)->length_m = 0.38;
@@ -196,8 +199,8 @@ static void test_the_bumper_says_where(void)
         post->kind = WORLD_DISC;
         post->radius_m = k % 2 ? 0.5 - 0.268 : 0.5 - 0.189; /* a corner, or a side */
         struct engine *e = physics_start(1);
-        CU_ASSERT_EQUAL(physics_run(e, 0, 0).bumpers, 0);
-        CU_ASSERT_EQUAL(physics_run(e, 0, 1).bumpers, 1u << k);
+        CU_ASSERT_EQUAL(physics_run(e, 0, 0).percept.bumpers, 0);
+        CU_ASSERT_EQUAL(physics_run(e, 0, 1).percept.bumpers, 1u << k);
         engine_close(e);
     }
 }
@@ -216,8 +219,8 @@ static void test_a_blocked_wheel_is_told_within_half_a_second(void)
     physics_drive(e, 0, 0.4, 0);
     physics_drive(e, 1, 0, 2);
     (void)physics_run(e, 0, 5);
-    CU_ASSERT_TRUE(physics_run(e, 0, 0).stalled);
-    CU_ASSERT_TRUE(physics_run(e, 1, 2).stalled); /* it has a play of some degrees first */
+    CU_ASSERT_TRUE(physics_run(e, 0, 0).percept.stalled);
+    CU_ASSERT_TRUE(physics_run(e, 1, 2).percept.stalled); /* it has a play of some degrees first */
     engine_close(e);
 }
 

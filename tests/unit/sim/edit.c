@@ -41,10 +41,10 @@ static void test_a_body_is_put_where_there_is_room(void)
 
     CU_ASSERT_EQUAL(place(e, 0, 2, -1), MU_OK);
     CU_ASSERT_EQUAL(place(e, 2, 2, 2), MU_OK);
-    struct engine_percept p = physics_run(e, 0, 0);
+    struct engine_sample p = physics_run(e, 0, 0);
     CU_ASSERT_EQUAL(p.pose.x_m, 2);
     CU_ASSERT_DOUBLE_EQUAL(p.pose.heading_rad, 0.5, 1e-12);
-    CU_ASSERT_EQUAL(p.forward_m_s, 0);
+    CU_ASSERT_EQUAL(p.percept.forward_m_s, 0);
     CU_ASSERT_EQUAL(engine_pose(e, 2).y_m, 2);
     CU_ASSERT_EQUAL(place(e, 0, 2.001, -1), MU_OK); /* it is not in its own way */
     CU_ASSERT_TRUE(physics_is_flat(e));
@@ -81,8 +81,8 @@ static void test_a_robot_takes_along_what_it_holds(void)
     CU_ASSERT_DOUBLE_EQUAL(engine_pose(e, 1).y_m, 1.42, 1e-9);
 
     CU_ASSERT_EQUAL(engine_reset(e, 0, &reason), MU_OK); /* what it held stays */
-    struct engine_percept p = physics_run(e, 0, 1);
-    CU_ASSERT_EQUAL(p.gripper, ENGINE_GRIPPER_THERE);
+    struct engine_sample p = physics_run(e, 0, 1);
+    CU_ASSERT_EQUAL(p.percept.gripper, MU_GRIPPER_THERE);
     CU_ASSERT_EQUAL(p.pose.y_m, 0);
     CU_ASSERT_DOUBLE_EQUAL(engine_pose(e, 1).y_m, 1.42, 1e-3);
     engine_close(e);
@@ -99,8 +99,8 @@ static void test_a_refused_reset_changes_nothing(void)
     CU_ASSERT_EQUAL(engine_grip(e, 0, 1, 0), MU_OK);
     (void)physics_run(e, 0, 15);
     CU_ASSERT_EQUAL(engine_grip(e, 0, 0, 1), MU_OK);
-    struct engine_percept p = physics_run(e, 0, 15);
-    CU_ASSERT(p.gripper & ENGINE_GRIPPER_HOLDS && p.gripper & ENGINE_GRIPPER_LIFTED);
+    struct engine_sample p = physics_run(e, 0, 15);
+    CU_ASSERT(p.percept.gripper & MU_GRIPPER_HOLDS && p.percept.gripper & MU_GRIPPER_LIFTED);
     CU_ASSERT_EQUAL(place(e, 0, 2, 0), MU_OK);
     CU_ASSERT_EQUAL(place(e, 1, 0.2, 0), MU_OK);
     uint64_t before = physics_hash(e, 1);
@@ -108,7 +108,7 @@ static void test_a_refused_reset_changes_nothing(void)
     REFUSED(engine_reset(e, 0, &reason), "robot1");
     REFUSED(engine_reset(e, 2, &reason), "robot1"); /* the thing that it holds */
     CU_ASSERT_EQUAL(physics_hash(e, 1), before);
-    CU_ASSERT_EQUAL(physics_run(e, 0, 0).gripper, p.gripper);
+    CU_ASSERT_EQUAL(physics_run(e, 0, 0).percept.gripper, p.percept.gripper);
     REFUSED(place(e, 2, 1, 1), "held by robot0");
     physics_drive(e, 0, 0, 1);
     (void)physics_run(e, 0, 5);
@@ -126,11 +126,11 @@ static void test_pushes(void)
     /* Brakes hold 0.6 m g: 53 N. */
     physics_push(e, 0, 40, 1);
     double creep = 40 * PHYSICS_DT_S / PHYSICS_ROBOT_KG; /* brakes hold against speed */
-    CU_ASSERT_DOUBLE_EQUAL(physics_run(e, 0, 10).forward_m_s, creep, 1e-6);
+    CU_ASSERT_DOUBLE_EQUAL(physics_run(e, 0, 10).percept.forward_m_s, creep, 1e-6);
     physics_push(e, 0, 100, 1);
     double a = (100 - 0.6 * PHYSICS_ROBOT_KG * PHYSICS_G_M_S2) / PHYSICS_ROBOT_KG;
-    CU_ASSERT_DOUBLE_EQUAL(physics_run(e, 0, 5).forward_m_s, creep + a * 0.5, 0.03);
-    CU_ASSERT_DOUBLE_EQUAL(physics_run(e, 0, 15).forward_m_s, 0, 1e-9);
+    CU_ASSERT_DOUBLE_EQUAL(physics_run(e, 0, 5).percept.forward_m_s, creep + a * 0.5, 0.03);
+    CU_ASSERT_DOUBLE_EQUAL(physics_run(e, 0, 15).percept.forward_m_s, 0, 1e-9);
     static const struct engine_force bad[] = {{.x_n = (double)NAN},
                                               {.y_n = (double)INFINITY},
                                               {.turn_nm = 1e30},
@@ -154,15 +154,15 @@ static void test_a_reset_is_a_new_start(void)
     uint64_t before = physics_hash(e, 1);
     physics_drive(e, 0, 0.4, 0.2);
     physics_drive(e, 1, 0.4, 0);
-    struct engine_percept p = physics_run(e, 0, 30);
-    CU_ASSERT(p.battery_share < 0.9 && p.odometer.x_m > 0.5);
+    struct engine_sample p = physics_run(e, 0, 30);
+    CU_ASSERT(p.percept.battery_share < 0.9 && p.percept.odometer_x_m > 0.5);
     CU_ASSERT_EQUAL(place(e, 1, 0.1, 0), MU_OK);
     REFUSED(engine_reset(e, 0, &reason), "robot1");
     engine_reset_all(e);
     CU_ASSERT_EQUAL(physics_hash(e, 1), before);
     p = physics_run(e, 0, 0);
-    CU_ASSERT_EQUAL(p.battery_share, 1);
-    CU_ASSERT_EQUAL(p.odometer.x_m, 0);
+    CU_ASSERT_EQUAL(p.percept.battery_share, 1);
+    CU_ASSERT_EQUAL(p.percept.odometer_x_m, 0);
     CU_ASSERT_EQUAL(physics_run(e, 0, 5).pose.x_m, 0); /* the old speed is forgotten */
     engine_close(e);
 }
@@ -180,20 +180,20 @@ static void test_who_is_flung_out_is_put_back(void)
     physics_push(e, 0, 1e6, 1);
     physics_push(e, 2, -1e6, 1);
     capture_begin();
-    struct engine_percept p = physics_run(e, 0, 1);
+    struct engine_sample p = physics_run(e, 0, 1);
     capture_end();
     CU_ASSERT_PTR_NOT_NULL(strstr(captured, "robot0"));
     CU_ASSERT_PTR_NOT_NULL(strstr(captured, "object0"));
     CU_ASSERT_PTR_NULL(strstr(captured, "robot1"));
-    CU_ASSERT_TRUE(p.fault);
+    CU_ASSERT_TRUE(p.percept.fault);
     CU_ASSERT_DOUBLE_EQUAL(p.pose.x_m, 0, 1e-9);
     CU_ASSERT_DOUBLE_EQUAL(p.pose.heading_rad, M_PI / 2, 1e-9);
-    CU_ASSERT_EQUAL(p.forward_m_s, 0);
+    CU_ASSERT_EQUAL(p.percept.forward_m_s, 0);
     CU_ASSERT_DOUBLE_EQUAL(engine_pose(e, 2).x_m, -2, 1e-9);
-    struct engine_percept other = physics_run(e, 1, 0);
-    CU_ASSERT_FALSE(other.fault);
-    CU_ASSERT_DOUBLE_EQUAL(other.forward_m_s, -0.2, 1e-6);
-    CU_ASSERT_FALSE(physics_run(e, 0, 1).fault);
+    struct engine_sample other = physics_run(e, 1, 0);
+    CU_ASSERT_FALSE(other.percept.fault);
+    CU_ASSERT_DOUBLE_EQUAL(other.percept.forward_m_s, -0.2, 1e-6);
+    CU_ASSERT_FALSE(physics_run(e, 0, 1).percept.fault);
     CU_ASSERT_TRUE(physics_is_flat(e));
     engine_close(e);
 }
@@ -251,13 +251,13 @@ static void test_speed_and_way_to_stop(void)
     physics_robot(0, 0, 0);
     struct engine *e = physics_start(1);
     physics_drive(e, 0, 99, 0);
-    CU_ASSERT_DOUBLE_EQUAL(physics_run(e, 0, 5).forward_m_s, PHYSICS_ACCEL * 0.5, 1e-6);
-    CU_ASSERT_DOUBLE_EQUAL(physics_run(e, 0, 15).forward_m_s, PHYSICS_SPEED_M_S, 1e-9);
+    CU_ASSERT_DOUBLE_EQUAL(physics_run(e, 0, 5).percept.forward_m_s, PHYSICS_ACCEL * 0.5, 1e-6);
+    CU_ASSERT_DOUBLE_EQUAL(physics_run(e, 0, 15).percept.forward_m_s, PHYSICS_SPEED_M_S, 1e-9);
     double from = engine_pose(e, 0).x_m;
     physics_drive(e, 0, 0, 0);
-    struct engine_percept p = physics_run(e, 0, 11);
+    struct engine_sample p = physics_run(e, 0, 11);
     double way = PHYSICS_SPEED_M_S * PHYSICS_SPEED_M_S / (2 * PHYSICS_ACCEL);
-    CU_ASSERT_DOUBLE_EQUAL(p.forward_m_s, 0, 1e-9);
+    CU_ASSERT_DOUBLE_EQUAL(p.percept.forward_m_s, 0, 1e-9);
     CU_ASSERT_DOUBLE_EQUAL(p.pose.x_m - from, way, PHYSICS_SPEED_M_S * PHYSICS_DT_S);
     engine_close(e);
 }

@@ -20,14 +20,14 @@ static void test_straight_drive(void)
     physics_robot(0, 0, 90);
     struct engine *e = physics_start(1);
     physics_drive(e, 0, 0.4, 0);
-    struct engine_percept p = physics_run(e, 0, 50);
+    struct engine_sample p = physics_run(e, 0, 50);
     /* 0.8 s of ramp in 40 substeps of 20 ms, each at its end speed, then 210 at 0.4 m/s */
     double way = 0.02 * (0.5 * 0.02 * (40 * 41 / 2) + 210 * 0.4);
     CU_ASSERT_DOUBLE_EQUAL(p.pose.y_m, way, 1e-6);
     CU_ASSERT_DOUBLE_EQUAL(p.pose.x_m, 0, 1e-9);
-    CU_ASSERT_DOUBLE_EQUAL(p.forward_m_s, 0.4, 1e-9);
+    CU_ASSERT_DOUBLE_EQUAL(p.percept.forward_m_s, 0.4, 1e-9);
     CU_ASSERT_DOUBLE_EQUAL(p.pose.heading_rad, M_PI / 2, 1e-9);
-    CU_ASSERT_FALSE(p.stalled);
+    CU_ASSERT_FALSE(p.percept.stalled);
     engine_close(e);
 }
 
@@ -39,7 +39,7 @@ static void test_turning_keeps_the_place_and_the_range_of_headings(void)
     physics_drive(e, 0, 0, 1);
     double least = 0;
     double most = 0;
-    struct engine_percept p;
+    struct engine_sample p;
     for (int k = 0; k < 100; k++) {
         p = physics_run(e, 0, 1);
         least = fmin(least, p.pose.heading_rad);
@@ -47,7 +47,7 @@ static void test_turning_keeps_the_place_and_the_range_of_headings(void)
     }
     CU_ASSERT_DOUBLE_EQUAL(p.pose.x_m, 1, 1e-9);
     CU_ASSERT_DOUBLE_EQUAL(p.pose.y_m, 2, 1e-9);
-    CU_ASSERT_DOUBLE_EQUAL(p.turn_rad_s, 1, 1e-9);
+    CU_ASSERT_DOUBLE_EQUAL(p.percept.turn_rad_s, 1, 1e-9);
     CU_ASSERT(least > -M_PI && least < -3);
     CU_ASSERT(most <= M_PI && most > 3);
     engine_close(e);
@@ -74,7 +74,7 @@ static void test_commands_are_clamped_or_refused(void)
         turn = bad[i];
         CU_ASSERT_EQUAL(engine_command(e, 0, &speed, &turn), MU_REFUSED);
     }
-    struct engine_percept p = physics_run(e, 0, 10);
+    struct engine_sample p = physics_run(e, 0, 10);
     CU_ASSERT_EQUAL(p.pose.x_m, 0); /* the old aim, to stand, stayed */
     double speed = 1e300;
     double turn = -1e300;
@@ -96,18 +96,18 @@ static void test_a_wall_stalls_and_holds(void)
     physics_robot(1, 0, 0);
     struct engine *e = physics_start(1);
     physics_drive(e, 0, 0.4, 0);
-    struct engine_percept p = physics_run(e, 0, 15);
-    CU_ASSERT_FALSE(p.stalled);
+    struct engine_sample p = physics_run(e, 0, 15);
+    CU_ASSERT_FALSE(p.percept.stalled);
     p = physics_run(e, 0, 100);
-    CU_ASSERT_TRUE(p.stalled);
+    CU_ASSERT_TRUE(p.percept.stalled);
     CU_ASSERT_DOUBLE_EQUAL(p.pose.x_m, 2 - 0.22, 0.003); /* the front at the wall */
-    CU_ASSERT_DOUBLE_EQUAL(p.forward_m_s, 0, 1e-3);
+    CU_ASSERT_DOUBLE_EQUAL(p.percept.forward_m_s, 0, 1e-3);
     double held = p.pose.x_m;
     p = physics_run(e, 0, 300);
     CU_ASSERT_DOUBLE_EQUAL(p.pose.x_m, held, 1e-3);
     physics_drive(e, 0, -0.2, 0);
     p = physics_run(e, 0, 30);
-    CU_ASSERT_FALSE(p.stalled);
+    CU_ASSERT_FALSE(p.percept.stalled);
     CU_ASSERT(p.pose.x_m < held - 0.3);
     engine_close(e);
 }
@@ -120,10 +120,10 @@ static void test_stall_comes_after_the_held_time(void)
     struct engine *e = physics_start(1);
     physics_drive(e, 0, 0.4, 0);
     /* The wheels are above 0.02 m/s from the 3rd substep of 20 ms on: then 0.3 s. */
-    struct engine_percept p = physics_run(e, 0, 3);
-    CU_ASSERT_FALSE(p.stalled);
+    struct engine_sample p = physics_run(e, 0, 3);
+    CU_ASSERT_FALSE(p.percept.stalled);
     p = physics_run(e, 0, 2);
-    CU_ASSERT_TRUE(p.stalled);
+    CU_ASSERT_TRUE(p.percept.stalled);
     engine_close(e);
 }
 
@@ -142,9 +142,9 @@ static void test_nothing_tunnels(void)
     }
     physics_run(e, 0, 300);
     for (size_t i = 0; i < 6; i++) {
-        struct engine_percept p = physics_run(e, i, 0);
+        struct engine_sample p = physics_run(e, i, 0);
         CU_ASSERT(p.pose.x_m < 0);
-        CU_ASSERT_TRUE(p.stalled);
+        CU_ASSERT_TRUE(p.percept.stalled);
     }
     engine_close(e);
 }
@@ -157,10 +157,10 @@ static void test_head_on_both_stand(void)
     struct engine *e = physics_start(1);
     physics_drive(e, 0, 0.4, 0);
     physics_drive(e, 1, 0.4, 0);
-    struct engine_percept a = physics_run(e, 0, 100);
-    struct engine_percept b = physics_run(e, 1, 0);
-    CU_ASSERT_TRUE(a.stalled);
-    CU_ASSERT_TRUE(b.stalled);
+    struct engine_sample a = physics_run(e, 0, 100);
+    struct engine_sample b = physics_run(e, 1, 0);
+    CU_ASSERT_TRUE(a.percept.stalled);
+    CU_ASSERT_TRUE(b.percept.stalled);
     CU_ASSERT_DOUBLE_EQUAL(hypot(b.pose.x_m - a.pose.x_m, b.pose.y_m - a.pose.y_m), 0.44, 0.02);
     engine_close(e);
 }
@@ -172,9 +172,9 @@ static void test_pushing(void)
     physics_robot(0.6, 0, 0)->mass_kg = 1; /* light, and standing on its brakes */
     struct engine *e = physics_start(1);
     physics_drive(e, 0, 0.4, 0);
-    struct engine_percept light = physics_run(e, 1, 100);
+    struct engine_sample light = physics_run(e, 1, 100);
     CU_ASSERT(light.pose.x_m > 2);
-    CU_ASSERT(light.forward_m_s > 0.1);
+    CU_ASSERT(light.percept.forward_m_s > 0.1);
     engine_close(e);
 
     physics_clear();
@@ -182,10 +182,10 @@ static void test_pushing(void)
     physics_robot(0.6, 0, 0)->mass_kg = 90;
     e = physics_start(1);
     physics_drive(e, 0, 0.4, 0);
-    struct engine_percept heavy = physics_run(e, 1, 100);
-    struct engine_percept pusher = physics_run(e, 0, 0);
+    struct engine_sample heavy = physics_run(e, 1, 100);
+    struct engine_sample pusher = physics_run(e, 0, 0);
     CU_ASSERT(fabs(heavy.pose.x_m - 0.6) < 0.35);
-    CU_ASSERT_TRUE(pusher.stalled);
+    CU_ASSERT_TRUE(pusher.percept.stalled);
     engine_close(e);
 }
 
@@ -206,17 +206,17 @@ static void test_sonar_geometry(void)
     physics_robot(2 - 0.205, 1.2, 0); /* near the wall: a reading below the least */
     add_sonar(&physics_robots[2], 0.2, 0, 0);
     struct engine *e = physics_start(1);
-    struct engine_percept p = physics_run(e, 0, 0);
-    CU_ASSERT_EQUAL_FATAL(p.sonar_count, 5);
-    CU_ASSERT_DOUBLE_EQUAL((double)p.sonar_m[0], 1.9, 1e-6);
-    CU_ASSERT_DOUBLE_EQUAL((double)p.sonar_m[1], 2.4, 1e-6);
-    CU_ASSERT_EQUAL((double)p.sonar_m[2], 5);
+    struct engine_sample p = physics_run(e, 0, 0);
+    CU_ASSERT_EQUAL_FATAL(p.percept.sonar_count, 5);
+    CU_ASSERT_DOUBLE_EQUAL((double)p.percept.sonar_m[0], 1.9, 1e-6);
+    CU_ASSERT_DOUBLE_EQUAL((double)p.percept.sonar_m[1], 2.4, 1e-6);
+    CU_ASSERT_EQUAL((double)p.percept.sonar_m[2], 5);
     /* Along 45 degrees the third robot's side, y = 1.01, is met at x = 1.11, before it starts at
      * x = 1.575; its rear, x = 1.575, at y = 1.475, behind its other side: so it is the wall. */
-    CU_ASSERT_DOUBLE_EQUAL((double)p.sonar_m[3], 1.9 * sqrt(2), 1e-6);
-    CU_ASSERT_DOUBLE_EQUAL((double)p.sonar_m[4], 0.78, 1e-6);
+    CU_ASSERT_DOUBLE_EQUAL((double)p.percept.sonar_m[3], 1.9 * sqrt(2), 1e-6);
+    CU_ASSERT_DOUBLE_EQUAL((double)p.percept.sonar_m[4], 0.78, 1e-6);
     p = physics_run(e, 2, 0);
-    CU_ASSERT_DOUBLE_EQUAL((double)p.sonar_m[0], 0.05, 1e-6);
+    CU_ASSERT_DOUBLE_EQUAL((double)p.percept.sonar_m[0], 0.05, 1e-6);
     engine_close(e);
 }
 
@@ -245,10 +245,10 @@ static uint64_t hash_of_a_crowd(uint64_t seed, bool *flat)
         engine_step(e);
         for (size_t i = 0; i < 4; i++) {
             double state[ENGINE_STATE_DOUBLES];
-            struct engine_percept p = physics_sense(e, i);
+            struct engine_sample p = physics_sense(e, i);
             engine_state(e, i, state);
             hash = mu_hash_bytes(hash, state, sizeof state);
-            hash = mu_hash_bytes(hash, p.sonar_m, 2 * sizeof(float));
+            hash = mu_hash_bytes(hash, p.percept.sonar_m, 2 * sizeof(float));
             CU_ASSERT_FATAL(fabs(state[0]) < 2.1 && fabs(state[1]) < 2.1);
         }
         *flat = *flat && physics_is_flat(e);
@@ -275,9 +275,9 @@ static void test_out_in_the_open(void)
     add_sonar(r, 0, 0, 180);
     struct engine *e = physics_start(1);
     physics_drive(e, 0, 0.5, 0);
-    struct engine_percept p = physics_run(e, 0, 60);
+    struct engine_sample p = physics_run(e, 0, 60);
     CU_ASSERT(p.pose.x_m > 4);
-    CU_ASSERT_DOUBLE_EQUAL((double)p.sonar_m[0], p.pose.x_m - 0.5, 1e-6);
+    CU_ASSERT_DOUBLE_EQUAL((double)p.percept.sonar_m[0], p.pose.x_m - 0.5, 1e-6);
     engine_close(e);
     physics_clear();
     e = physics_start(1); /* nothing at all */
@@ -297,8 +297,8 @@ static void test_a_mark_on_the_floor_slows_nobody(void)
     r->forward_accel_m_s2 = 5;
     struct engine *e = physics_start(1);
     physics_drive(e, 0, 1, 0);
-    struct engine_percept p = physics_run(e, 0, 20);
-    CU_ASSERT_DOUBLE_EQUAL(p.forward_m_s, 1, 1e-6);
+    struct engine_sample p = physics_run(e, 0, 20);
+    CU_ASSERT_DOUBLE_EQUAL(p.percept.forward_m_s, 1, 1e-6);
     CU_ASSERT(p.pose.x_m > 0.5);
     engine_close(e);
 }
@@ -314,18 +314,19 @@ static void test_all_are_sensed_as_one_is(void)
     }
     struct engine *e = physics_start(1);
     physics_drive(e, 1, 0.4, 0.2);
-    const uint32_t wanted[3] = {0, 1u << WORLD_SONAR | 1u << WORLD_LASER, 1u << WORLD_LASER};
+    const uint32_t wanted[3] = {0, MU_SENSE_SONAR | MU_SENSE_LASER, MU_SENSE_LASER};
     for (int step = 0; step < 20; step++) {
         engine_step(e);
-        const struct engine_percept *all = engine_sense_all(e, wanted);
-        CU_ASSERT(all[0].sonar_count == 0 && all[0].laser_count == 0);
-        CU_ASSERT(all[1].sonar_count == 1 && all[1].laser_count == 3);
-        CU_ASSERT(all[2].sonar_count == 0 && all[2].laser_count == 3);
-        float sonar = all[1].sonar_m[0];
-        float laser = all[1].laser_m[1];
+        const struct engine_sample *all = engine_sense_all(e, wanted);
+        CU_ASSERT(all[0].percept.sonar_count == 0 && all[0].percept.laser_count == 0);
+        CU_ASSERT(all[1].percept.sonar_count == 1 && all[1].percept.laser_count == 3);
+        CU_ASSERT(all[2].percept.sonar_count == 0 && all[2].percept.laser_count == 3);
+        float sonar = all[1].percept.sonar_m[0];
+        float laser = all[1].percept.laser_m[1];
         double x = all[1].pose.x_m;
-        struct engine_percept one = physics_sense(e, 1);
-        CU_ASSERT(one.sonar_m[0] == sonar && one.laser_m[1] == laser && one.pose.x_m == x);
+        struct engine_sample one = physics_sense(e, 1);
+        CU_ASSERT(one.percept.sonar_m[0] == sonar && one.percept.laser_m[1] == laser &&
+                  one.pose.x_m == x);
         CU_ASSERT(step < 10 || (laser < 2 && x > 0));
     }
     engine_close(e);

@@ -16,7 +16,7 @@ static const double NEAR = 1e-6;
 
 /* --- totals ----------------------------------------------------------------------------------- */
 
-static struct tally tally_of(const struct engine_percept *steps, size_t count)
+static struct tally tally_of(const struct engine_sample *steps, size_t count)
 {
     struct tally t = {0};
     for (size_t i = 0; i < count; i++) {
@@ -27,16 +27,16 @@ static struct tally tally_of(const struct engine_percept *steps, size_t count)
 
 static void test_distance_is_what_the_rows_add_up_to(void)
 {
-    const struct engine_percept steps[] = {
+    const struct engine_sample steps[] = {
         {.pose = {7, 7, 0}}, {.pose = {10, 11, 0}}, {.pose = {10, 11, 2}}, {.pose = {9, 11, 2}}};
     CU_ASSERT_DOUBLE_EQUAL(tally_of(steps, 1).distance_m, 0, 0);
     CU_ASSERT_DOUBLE_EQUAL(tally_of(steps, 2).distance_m, 5, 0);
     CU_ASSERT_DOUBLE_EQUAL(tally_of(steps, 4).distance_m, 6, 0);
-    const struct engine_percept placed[] = {{.pose = {1, 1, 0}},
-                                            {.pose = {8, 1, 0}, .placed = true}};
+    const struct engine_sample placed[] = {{.pose = {1, 1, 0}},
+                                           {.pose = {8, 1, 0}, .placed = true}};
     CU_ASSERT_DOUBLE_EQUAL(tally_of(placed, 2).distance_m, 0, 0);
     /* What has less than six decimals is not in run.csv, and so it is no way. */
-    const struct engine_percept still[] = {{.pose = {1, 1, 0}}, {.pose = {1 + 4e-7, 1, 0}}};
+    const struct engine_sample still[] = {{.pose = {1, 1, 0}}, {.pose = {1 + 4e-7, 1, 0}}};
     CU_ASSERT_DOUBLE_EQUAL(tally_of(still, 2).distance_m, 0, 0);
     CU_ASSERT_DOUBLE_EQUAL(mu_rounded(1.2345678), 1.234568, 0);
     CU_ASSERT_DOUBLE_EQUAL(mu_rounded(-0.1234565), strtod("-0.123457", NULL), 0);
@@ -44,9 +44,11 @@ static void test_distance_is_what_the_rows_add_up_to(void)
 
 static void test_a_stall_counts_once_and_lasts(void)
 {
-    const struct engine_percept steps[] = {{.stalled = true},  {.stalled = true},
-                                           {.stalled = false}, {.stalled = false},
-                                           {.stalled = true},  {.stalled = true}};
+    static const bool stalled[] = {true, true, false, false, true, true};
+    struct engine_sample steps[6] = {{.placed = false}};
+    for (size_t i = 0; i < 6; i++) {
+        steps[i].percept.stalled = stalled[i];
+    }
     CU_ASSERT_EQUAL(tally_of(steps, 1).stalls, 1);
     CU_ASSERT_DOUBLE_EQUAL(tally_of(steps, 1).stalled_s, 0.1, NEAR);
     CU_ASSERT_EQUAL(tally_of(steps, 4).stalls, 1);
@@ -163,11 +165,13 @@ static muster_Act act_of(const char *agent, const char *rules, muster_Mail *mail
 static void test_bodies_and_percepts(void)
 {
     view = view_start();
-    const struct engine_percept moving = {.pose = {1, 2, 3},
-                                          .position = {9, 9, 9},
-                                          .forward_m_s = 0.25,
-                                          .turn_rad_s = -1,
-                                          .stalled = true};
+    const struct engine_sample moving = {.pose = {1, 2, 3},
+                                         .percept = {.x_m = 9,
+                                                     .y_m = 9,
+                                                     .heading_rad = 9,
+                                                     .forward_m_s = 0.25,
+                                                     .turn_rad_s = -1,
+                                                     .stalled = true}};
     const struct tally tally = {.distance_m = 12.5, .stalled_s = 0.5, .stalls = 2};
     frame_begin(view, 7, 700000000);
     frame_take_body(view, 1, &moving, &tally);

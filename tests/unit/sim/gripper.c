@@ -7,10 +7,10 @@
  * their gap is 0.22 wide. */
 enum { OPEN = -1, CLOSE = 1, DOWN = -1, UP = 1 };
 
-#define IS(p, bits)  (((p).gripper & (bits)) == (bits))
-#define HAS(p, bits) (((p).gripper & (bits)) != 0)
+#define IS(p, bits)  (((p).percept.gripper & (bits)) == (bits))
+#define HAS(p, bits) (((p).percept.gripper & (bits)) != 0)
 
-static const uint32_t beams = ENGINE_GRIPPER_INNER_BEAM | ENGINE_GRIPPER_OUTER_BEAM;
+static const uint32_t beams = MU_GRIPPER_INNER_BEAM | MU_GRIPPER_OUTER_BEAM;
 
 static struct world_robot *add_gripper(double x_m)
 {
@@ -23,7 +23,7 @@ static struct world_robot *add_gripper(double x_m)
     return r;
 }
 
-static struct engine_percept grip(struct engine *e, int32_t paddles, int32_t lift, unsigned steps)
+static struct engine_sample grip(struct engine *e, int32_t paddles, int32_t lift, unsigned steps)
 {
     CU_ASSERT_EQUAL(engine_grip(e, 0, paddles, lift), MU_OK);
     return physics_run(e, 0, steps);
@@ -48,18 +48,18 @@ static void test_it_takes_carries_and_releases(void)
     add_gripper(0);
     physics_object(0.42, 0, 0.05);
     struct engine *e = physics_start(1);
-    struct engine_percept p = physics_run(e, 0, 1);
-    CU_ASSERT_EQUAL(p.gripper, ENGINE_GRIPPER_THERE | ENGINE_GRIPPER_INNER_BEAM);
+    struct engine_sample p = physics_run(e, 0, 1);
+    CU_ASSERT_EQUAL(p.percept.gripper, MU_GRIPPER_THERE | MU_GRIPPER_INNER_BEAM);
     /* The paddles have 0.06 of 0.11 m to go, at 0.11 m/s: 0.55 s. */
     p = grip(e, CLOSE, 0, 5);
-    CU_ASSERT_FALSE(HAS(p, ENGINE_GRIPPER_HOLDS));
+    CU_ASSERT_FALSE(HAS(p, MU_GRIPPER_HOLDS));
     p = physics_run(e, 0, 1);
-    CU_ASSERT_TRUE(IS(p, ENGINE_GRIPPER_HOLDS | ENGINE_GRIPPER_CLOSED));
+    CU_ASSERT_TRUE(IS(p, MU_GRIPPER_HOLDS | MU_GRIPPER_CLOSED));
     check_borne_at(e, 0.42, 0);
     p = grip(e, 0, UP, 9);
-    CU_ASSERT_FALSE(HAS(p, ENGINE_GRIPPER_LIFTED));
+    CU_ASSERT_FALSE(HAS(p, MU_GRIPPER_LIFTED));
     p = physics_run(e, 0, 1);
-    CU_ASSERT_TRUE(IS(p, ENGINE_GRIPPER_LIFTED | ENGINE_GRIPPER_HOLDS));
+    CU_ASSERT_TRUE(IS(p, MU_GRIPPER_LIFTED | MU_GRIPPER_HOLDS));
 
     physics_drive(e, 0, 0.4, 0.5);
     p = physics_run(e, 0, 60);
@@ -69,11 +69,11 @@ static void test_it_takes_carries_and_releases(void)
     physics_drive(e, 0, 0, 0);
     p = physics_run(e, 0, 20);
     p = grip(e, OPEN, DOWN, 10);
-    CU_ASSERT_TRUE(IS(p, ENGINE_GRIPPER_HOLDS));
-    CU_ASSERT_FALSE(HAS(p, ENGINE_GRIPPER_LIFTED));
+    CU_ASSERT_TRUE(IS(p, MU_GRIPPER_HOLDS));
+    CU_ASSERT_FALSE(HAS(p, MU_GRIPPER_LIFTED));
     struct world_pose left = engine_pose(e, 1);
     p = physics_run(e, 0, 10);
-    CU_ASSERT_FALSE(HAS(p, ENGINE_GRIPPER_HOLDS | ENGINE_GRIPPER_CLOSED));
+    CU_ASSERT_FALSE(HAS(p, MU_GRIPPER_HOLDS | MU_GRIPPER_CLOSED));
     physics_drive(e, 0, -0.3, 0);
     (void)physics_run(e, 0, 30);
     CU_ASSERT_DOUBLE_EQUAL(engine_pose(e, 1).x_m, left.x_m, 1e-3);
@@ -87,16 +87,16 @@ static void test_paddles_close_on_nothing_and_stop_at_the_rest(void)
     physics_clear();
     add_gripper(0);
     struct engine *e = physics_start(1);
-    struct engine_percept p = grip(e, CLOSE, 0, 9);
-    CU_ASSERT_FALSE(HAS(p, ENGINE_GRIPPER_CLOSED));
+    struct engine_sample p = grip(e, CLOSE, 0, 9);
+    CU_ASSERT_FALSE(HAS(p, MU_GRIPPER_CLOSED));
     p = physics_run(e, 0, 1);
-    CU_ASSERT_EQUAL(p.gripper, ENGINE_GRIPPER_THERE | ENGINE_GRIPPER_CLOSED);
+    CU_ASSERT_EQUAL(p.percept.gripper, MU_GRIPPER_THERE | MU_GRIPPER_CLOSED);
     engine_close(e);
 
     physics_object(0.42, 0, 0.05)->shape.look.graspable = false;
     e = physics_start(1);
     p = grip(e, CLOSE, 0, 30);
-    CU_ASSERT_EQUAL(p.gripper, ENGINE_GRIPPER_THERE | ENGINE_GRIPPER_INNER_BEAM);
+    CU_ASSERT_EQUAL(p.percept.gripper, MU_GRIPPER_THERE | MU_GRIPPER_INNER_BEAM);
     CU_ASSERT_DOUBLE_EQUAL(engine_pose(e, 1).x_m, 0.42, 2e-3);
     CU_ASSERT_DOUBLE_EQUAL(engine_pose(e, 1).y_m, 0, 2e-3);
     engine_close(e);
@@ -107,17 +107,17 @@ static void test_beams(void)
     static const struct {
         double x_m;
         uint32_t broken;
-    } cases[] = {{0.37, ENGINE_GRIPPER_INNER_BEAM},
-                 {0.52, ENGINE_GRIPPER_OUTER_BEAM},
-                 {0.44, ENGINE_GRIPPER_OUTER_BEAM | ENGINE_GRIPPER_INNER_BEAM},
+    } cases[] = {{0.37, MU_GRIPPER_INNER_BEAM},
+                 {0.52, MU_GRIPPER_OUTER_BEAM},
+                 {0.44, MU_GRIPPER_OUTER_BEAM | MU_GRIPPER_INNER_BEAM},
                  {0.7, 0}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         physics_clear();
         add_gripper(0);
         physics_object(cases[i].x_m, 0, 0.07)->shape.half_x_m = i == 2 ? 0.07 : 0.04;
         struct engine *e = physics_start(1);
-        struct engine_percept p = physics_run(e, 0, 0);
-        CU_ASSERT_EQUAL(p.gripper & beams, cases[i].broken);
+        struct engine_sample p = physics_run(e, 0, 0);
+        CU_ASSERT_EQUAL(p.percept.gripper & beams, cases[i].broken);
         engine_close(e);
     }
 }
@@ -131,28 +131,28 @@ static void test_what_is_held_is_solid_until_it_is_up(void)
     struct engine *e = physics_start(1);
     (void)grip(e, CLOSE, 0, 10);
     physics_drive(e, 0, 0.4, 0);
-    struct engine_percept p = physics_run(e, 0, 80);
-    CU_ASSERT_TRUE(p.stalled);
+    struct engine_sample p = physics_run(e, 0, 80);
+    CU_ASSERT_TRUE(p.percept.stalled);
     CU_ASSERT_DOUBLE_EQUAL(p.pose.x_m, 2 - 0.54, 0.004);
-    CU_ASSERT_EQUAL(p.bumpers, 0); /* it is not the case that touches */
+    CU_ASSERT_EQUAL(p.percept.bumpers, 0); /* it is not the case that touches */
 
     p = grip(e, 0, UP, 10);
     p = physics_run(e, 0, 80);
-    CU_ASSERT_TRUE(p.stalled);
+    CU_ASSERT_TRUE(p.percept.stalled);
     CU_ASSERT_DOUBLE_EQUAL(p.pose.x_m, 2 - 0.22, 0.004); /* over the wall's edge */
     check_borne_at(e, 0.42, 0);
     physics_drive(e, 0, 0, 0);
     CU_ASSERT_EQUAL(engine_grip(e, 0, 0, DOWN), MU_REFUSED);
     CU_ASSERT_EQUAL(engine_grip(e, 0, OPEN, 0), MU_REFUSED);
     p = physics_run(e, 0, 30);
-    CU_ASSERT_TRUE(IS(p, ENGINE_GRIPPER_HOLDS | ENGINE_GRIPPER_LIFTED));
+    CU_ASSERT_TRUE(IS(p, MU_GRIPPER_HOLDS | MU_GRIPPER_LIFTED));
 
     physics_drive(e, 0, -0.3, 0);
     (void)physics_run(e, 0, 30);
     physics_drive(e, 0, 0, 0);
     (void)physics_run(e, 0, 10);
     p = grip(e, OPEN, 0, 10); /* from above: it falls to where it is */
-    CU_ASSERT_FALSE(HAS(p, ENGINE_GRIPPER_HOLDS));
+    CU_ASSERT_FALSE(HAS(p, MU_GRIPPER_HOLDS));
     CU_ASSERT(engine_pose(e, 1).x_m < 1.7);
     CU_ASSERT_TRUE(physics_is_flat(e));
     engine_close(e);
@@ -168,12 +168,12 @@ static void test_a_load_weighs(void)
     struct engine *e = physics_start(1);
     (void)grip(e, CLOSE, UP, 20);
     physics_drive(e, 0, 0.4, 0);
-    struct engine_percept p = physics_run(e, 0, 40);
-    CU_ASSERT_DOUBLE_EQUAL(p.forward_m_s, 0.4, 1e-9);
+    struct engine_sample p = physics_run(e, 0, 40);
+    CU_ASSERT_DOUBLE_EQUAL(p.percept.forward_m_s, 0.4, 1e-9);
     /* m (aim - v) / dt is the friction, of 15 kg instead of 9 */
     p = physics_run(e, 0, 80);
     double lag = 0.5 * 10.5 * PHYSICS_G_M_S2 * PHYSICS_DT_S / (PHYSICS_ROBOT_KG + 6);
-    CU_ASSERT_DOUBLE_EQUAL(p.forward_m_s, 0.4 - lag, 2e-3);
+    CU_ASSERT_DOUBLE_EQUAL(p.percept.forward_m_s, 0.4 - lag, 2e-3);
     engine_close(e);
 }
 
@@ -186,10 +186,10 @@ static void test_paddles_push_and_have_room(void)
     physics_wall(0.52, -0.2, 0.2, 0.1);
     physics_wall(2.1, 0, 0.1, 3);
     struct engine *e = physics_start(1);
-    struct engine_percept p = physics_run(e, 0, 0);
-    CU_ASSERT_TRUE(IS(p, ENGINE_GRIPPER_CLOSED));
+    struct engine_sample p = physics_run(e, 0, 0);
+    CU_ASSERT_TRUE(IS(p, MU_GRIPPER_CLOSED));
     p = grip(e, OPEN, 0, 20);
-    CU_ASSERT_FALSE(HAS(p, ENGINE_GRIPPER_CLOSED));
+    CU_ASSERT_FALSE(HAS(p, MU_GRIPPER_CLOSED));
     CU_ASSERT_DOUBLE_EQUAL(p.pose.y_m, 0, 1e-3);
     engine_close(e);
 
@@ -205,7 +205,7 @@ static void test_paddles_push_and_have_room(void)
     e = physics_start(1);
     physics_drive(e, 0, 0.4, 0);
     p = physics_run(e, 0, 80);
-    CU_ASSERT_TRUE(IS(p, ENGINE_GRIPPER_LIFTED));
+    CU_ASSERT_TRUE(IS(p, MU_GRIPPER_LIFTED));
     CU_ASSERT_DOUBLE_EQUAL(p.pose.x_m, 2 - 0.22, 0.004);
     engine_close(e);
 }
@@ -220,10 +220,10 @@ static void test_two_robots_want_one_thing(void)
     physics_object(0.42, 0, 0.03);
     struct engine *e = physics_start(1);
     CU_ASSERT_EQUAL(engine_grip(e, 1, CLOSE, 0), MU_OK);
-    struct engine_percept first = grip(e, CLOSE, 0, 20);
-    struct engine_percept second = physics_run(e, 1, 0);
-    CU_ASSERT_TRUE(IS(second, ENGINE_GRIPPER_HOLDS));
-    CU_ASSERT_EQUAL(first.gripper & (ENGINE_GRIPPER_HOLDS | ENGINE_GRIPPER_CLOSED), 0);
+    struct engine_sample first = grip(e, CLOSE, 0, 20);
+    struct engine_sample second = physics_run(e, 1, 0);
+    CU_ASSERT_TRUE(IS(second, MU_GRIPPER_HOLDS));
+    CU_ASSERT_EQUAL(first.percept.gripper & (MU_GRIPPER_HOLDS | MU_GRIPPER_CLOSED), 0);
     engine_close(e);
 
     physics_clear();

@@ -74,7 +74,7 @@ static void step(bool last)
 {
     muster_Act act = {
         .agent = words("robot0"), .rules = words("go"), .goal = words("stay"), .diary = words("")};
-    s.robots[0].percept = engine_sense_all(s.engine, wanted)[0];
+    s.robots[0].sensed = engine_sense_all(s.engine, wanted)[0];
     observe_begin(&s, last);
     observe_act(&s, 0, &act);
     run_hash_fold_number(s.hash, (uint64_t)s.step);

@@ -83,16 +83,16 @@ static void test_a_robot_pushes_what_is_light(void)
     physics_object(0.6, 0, 0.15);
     struct engine *e = physics_start(1);
     physics_drive(e, 0, 0.4, 0);
-    struct engine_percept p = physics_run(e, 0, 50);
-    CU_ASSERT_FALSE(p.stalled);
+    struct engine_sample p = physics_run(e, 0, 50);
+    CU_ASSERT_FALSE(p.percept.stalled);
     /* The wheels pull with what they lag behind: m (aim - v) / dt is the friction. */
     double lag = 0.5 * 1 * PHYSICS_G_M_S2 * PHYSICS_DT_S / PHYSICS_ROBOT_KG;
-    CU_ASSERT_DOUBLE_EQUAL(p.forward_m_s, 0.4 - lag, 1e-4);
-    CU_ASSERT_EQUAL(p.bumpers, 0x83); /* ahead, from -34 to 34 degrees */
+    CU_ASSERT_DOUBLE_EQUAL(p.percept.forward_m_s, 0.4 - lag, 1e-4);
+    CU_ASSERT_EQUAL(p.percept.bumpers, 0x83); /* ahead, from -34 to 34 degrees */
     CU_ASSERT_DOUBLE_EQUAL(engine_pose(e, 1).x_m - p.pose.x_m, 0.22 + 0.15, 0.003);
     physics_drive(e, 0, -0.3, 0);
     p = physics_run(e, 0, 30);
-    CU_ASSERT_EQUAL(p.bumpers, 0);
+    CU_ASSERT_EQUAL(p.percept.bumpers, 0);
     double left = engine_pose(e, 1).x_m;
     CU_ASSERT(left > 1.5 && left - p.pose.x_m > 0.6);
     (void)physics_run(e, 0, 30);
@@ -109,10 +109,10 @@ static void test_a_robot_stalls_at_what_is_heavy(void)
     physics_object(0.45, 0, 0.2)->mass_kg = 20;
     struct engine *e = physics_start(1);
     physics_drive(e, 0, 0.4, 0);
-    struct engine_percept p = physics_run(e, 0, 8);
-    CU_ASSERT_TRUE(p.stalled);
+    struct engine_sample p = physics_run(e, 0, 8);
+    CU_ASSERT_TRUE(p.percept.stalled);
     p = physics_run(e, 0, 100);
-    CU_ASSERT_TRUE(p.stalled);
+    CU_ASSERT_TRUE(p.percept.stalled);
     CU_ASSERT_DOUBLE_EQUAL(engine_pose(e, 1).x_m, 0.45, 0.002);
     engine_close(e);
 }
@@ -127,8 +127,8 @@ static void test_objects_push_objects_and_walls_hold_them(void)
     }
     struct engine *e = physics_start(1);
     physics_drive(e, 0, 0.4, 0);
-    struct engine_percept p = physics_run(e, 0, 120);
-    CU_ASSERT_TRUE(p.stalled);
+    struct engine_sample p = physics_run(e, 0, 120);
+    CU_ASSERT_TRUE(p.percept.stalled);
     CU_ASSERT_DOUBLE_EQUAL(p.pose.x_m, 3 - 0.9 - 0.22, 0.02); /* a row buckles */
     CU_ASSERT_DOUBLE_EQUAL(engine_pose(e, 3).x_m, 2.85, 0.006);
     CU_ASSERT_TRUE(physics_is_flat(e));
@@ -143,8 +143,8 @@ static void test_sonars_see_objects_and_ghosts_stop_nobody(void)
         (struct world_sonar){.pose = {0.1, 0, 0}, .range_min_m = 0.05, .range_max_m = 5, .rays = 1};
     physics_object(2, 0, 0.25);
     struct engine *e = physics_start(1);
-    struct engine_percept p = physics_run(e, 0, 0);
-    CU_ASSERT_DOUBLE_EQUAL((double)p.sonar_m[0], 1.65, 1e-6);
+    struct engine_sample p = physics_run(e, 0, 0);
+    CU_ASSERT_DOUBLE_EQUAL((double)p.percept.sonar_m[0], 1.65, 1e-6);
     engine_close(e);
 
     physics_objects[0].shape.look.stops = false;

@@ -82,9 +82,9 @@ static void start(uint64_t seed, size_t threads)
     place_robots();
 }
 
-static struct engine_percept read(size_t robot, uint32_t wanted, uint64_t step)
+static struct mu_percept read(size_t robot, uint32_t wanted, uint64_t step)
 {
-    struct engine_percept percept = {0};
+    struct mu_percept percept = {0};
     uint32_t alone[TEAM] = {0};
     alone[robot] = wanted;
     sensors_read_all(scene->sensors, alone, step);
@@ -92,10 +92,10 @@ static struct engine_percept read(size_t robot, uint32_t wanted, uint64_t step)
     return percept;
 }
 
-static struct engine_percept look(uint32_t wanted)
+static struct mu_percept look(uint32_t wanted)
 {
     start(1, 1);
-    struct engine_percept percept = read(0, wanted, 0);
+    struct mu_percept percept = read(0, wanted, 0);
     sensors_close(scene->sensors);
     return percept;
 }
@@ -127,7 +127,7 @@ static void test_a_sonar_hears_the_nearest_in_its_cone(void)
     add_sonar(r, 180, 3);
     add(solid_disc(2 * cos(15 * DEG), 2 * sin(15 * DEG), 0.25)); /* on the left edge of the cone */
     add_box(4, 0, 0.1, 8);
-    struct engine_percept p = look(SONAR);
+    struct mu_percept p = look(SONAR);
     CU_ASSERT_EQUAL_FATAL(p.sonar_count, 4);
     near_to((double)p.sonar_m[0], 3.9);
     near_to((double)p.sonar_m[1], 1.75);
@@ -147,7 +147,7 @@ static void test_flat_incidence_loses_the_echo(void)
         add_sonar(r, 180, 1)->specular_rad = k ? 50 * DEG : 0; /* 53.13 */
         add_sonar(r, 180, 1)->specular_rad = k ? 54 * DEG : 0;
     }
-    struct engine_percept p = look(SONAR);
+    struct mu_percept p = look(SONAR);
     near_to((double)p.sonar_m[0], 1 / sin(20 * DEG));
     near_to((double)p.sonar_m[1], 1 / sin(40 * DEG));
     near_to((double)p.sonar_m[2], 1.7);
@@ -174,7 +174,7 @@ static void test_a_laser_scans_from_right_to_left(void)
     add_box(3.1, 1, 0.1, 9); /* right of it, at 2 m */
     add_box(1, 4.6, 9, 0.1); /* ahead, at 3 m from the scanner */
     add_box(1, 3.5, 0.1, 0.2)->returns = SOLID_STOPS | SOLID_SHOWS; /* glass */
-    struct engine_percept p = look(LASER);
+    struct mu_percept p = look(LASER);
     CU_ASSERT_EQUAL_FATAL(p.laser_count, 5);
     near_to((double)p.laser_m[0], 2);
     near_to((double)p.laser_m[1], 2 * sqrt(2));
@@ -195,7 +195,7 @@ static void test_ranges_stay_inside_their_limits(void)
     r = add_robot(0, 0, 0);
     give_laser(r, 90, 200)->noise = (struct world_noise){3, 0, 0};
     add(solid_disc(4, 0, 2));
-    struct engine_percept p = look(LASER);
+    struct mu_percept p = look(LASER);
     size_t at_end = 0;
     for (size_t k = 0; k < p.laser_count; k++) {
         CU_ASSERT(p.laser_m[k] >= 0.02f && p.laser_m[k] <= 8);
@@ -215,7 +215,7 @@ static void measure(const struct world_noise *noise, double *mean, double *devia
     double sum = 0;
     double square = 0;
     for (uint64_t step = 0; step < 200; step++) {
-        struct engine_percept p = read(0, LASER, step);
+        struct mu_percept p = read(0, LASER, step);
         for (size_t k = 0; k < 50; k++) {
             double off = (double)p.laser_m[k] - 4;
             sum += off;
@@ -249,7 +249,7 @@ static void test_a_fan_without_width_looks_ahead(void)
         clear();
         give_laser(add_robot(0, 0, 0), fov_deg[i], MU_BEAMS_MAX);
         add_box(3, 0, 0.1, 0.001);
-        struct engine_percept p = look(1u << WORLD_LASER);
+        struct mu_percept p = look(MU_SENSE_LASER);
         CU_ASSERT_EQUAL_FATAL(p.laser_count, MU_BEAMS_MAX);
         near_to((double)p.laser_m[0], 2.9);
         near_to((double)p.laser_m[MU_BEAMS_MAX - 1], 2.9);
@@ -278,7 +278,7 @@ static void test_blobs_are_nearest_first_with_bearing_width_and_range(void)
     paint(add(solid_disc(4, 1, 0.2)), 0xff0000);
     paint(add(solid_disc(2, -0.5, 0.1)), 0x00ff00);
     paint(add_box(8, 0, 0.1, 20), 0x0000ff); /* a wall behind, cut by the discs */
-    struct engine_percept p = look(CAMERA);
+    struct mu_percept p = look(CAMERA);
     CU_ASSERT_EQUAL_FATAL(p.blob_count, 5);
     double step = 0.1 * DEG;
     CU_ASSERT_EQUAL(p.blobs[0].rgb, 0x00ff00);
@@ -306,7 +306,7 @@ static void test_a_camera_sees_what_shows_and_looks_for_its_colours(void)
     paint(add(solid_disc(5, 0, 0.5)), 0x112233);
     paint(add(solid_disc(3, 0, 0.2)), 0x445566)->returns = SOLID_STOPS | SOLID_ECHOES; /* air */
     paint(add(solid_disc(3, -0.15, 0.05)), 0x445566); /* hides a part, and is no blob */
-    struct engine_percept p = look(CAMERA);
+    struct mu_percept p = look(CAMERA);
     CU_ASSERT_EQUAL_FATAL(p.blob_count, 2);
     CU_ASSERT(p.blobs[0].rgb == 0x112233 && p.blobs[1].rgb == 0x112233);
 }
@@ -319,7 +319,7 @@ static void test_parts_of_one_owner_and_colour_are_one_blob(void)
     add_robot(3.05, -0.20, 0); /* beside it, of the same colour, but another */
     paint(add_box(6, 1, 0.1, 1), 0xabcdef);
     paint(add_box(6.05, -1, 0.1, 1), 0xabcdef);
-    struct engine_percept p = look(CAMERA);
+    struct mu_percept p = look(CAMERA);
     CU_ASSERT_EQUAL_FATAL(p.blob_count, 4);
     CU_ASSERT(p.blobs[0].rgb == 0 && p.blobs[1].rgb == 0);
     CU_ASSERT(p.blobs[2].rgb == 0xabcdef &&
@@ -335,7 +335,7 @@ static void test_limit_blobs(void)
         double far = 9 - 0.1 * k;
         paint(add(solid_disc(far * cos(turn), far * sin(turn), 0.05)), 0x100u + (uint32_t)k);
     }
-    struct engine_percept p = look(CAMERA);
+    struct mu_percept p = look(CAMERA);
     CU_ASSERT_EQUAL_FATAL(p.blob_count, MU_BLOBS_MAX);
     for (uint32_t k = 0; k < MU_BLOBS_MAX; k++) {
         CU_ASSERT_EQUAL(p.blobs[k].rgb, 0x100u + MU_BLOBS_MAX + 7 - k);
@@ -368,7 +368,7 @@ static void test_fiducials_are_read_near_and_seen_far(void)
     number(add(solid_disc(1, 0, 0.3)), 10);  /* behind */
     add(solid_disc(0, 2, 0.3));              /* bears none */
     number(&scene->moving[0], 11);           /* itself */
-    struct engine_percept p = look(FIDUCIALS);
+    struct mu_percept p = look(FIDUCIALS);
     CU_ASSERT_EQUAL_FATAL(p.fiducial_count, 2);
     CU_ASSERT_EQUAL(p.fiducials[0].number, 7);
     near_to(p.fiducials[0].range_m, sqrt(5));
@@ -393,7 +393,7 @@ static void test_what_stands_before_hides_a_fiducial(void)
     number(add(solid_disc(4, 0, 0.3)), 1);
     number(add(solid_disc(3, 3, 0.3)), 2);
     add(solid_disc(2, 0.04, 0.05))->returns = SOLID_STOPS;
-    struct engine_percept p = look(FIDUCIALS);
+    struct mu_percept p = look(FIDUCIALS);
     CU_ASSERT_EQUAL_FATAL(p.fiducial_count, 1);
     CU_ASSERT_EQUAL(p.fiducials[0].number, 2);
 }
@@ -410,7 +410,7 @@ static void test_a_mark_for_finders_alone_is_read(void)
     *lifted = solid_disc(1, 1, 0.1);
     lifted->fiducial = 4;
     lifted->away = true; /* nobody sees what hangs in a gripper */
-    struct engine_percept p = look(FIDUCIALS);
+    struct mu_percept p = look(FIDUCIALS);
     CU_ASSERT_EQUAL_FATAL(p.fiducial_count, 2);
     CU_ASSERT_EQUAL(p.fiducials[0].number, 1);
     near_to(p.fiducials[0].range_m, 2);
@@ -424,7 +424,7 @@ static void test_a_round_bearer_has_a_heading(void)
     struct world_shape shape = {
         .kind = WORLD_DISC, .pose = {3, 1, 100 * DEG}, .radius_m = 0.3, .look.fiducial = 6};
     add(solid_of_shape(&shape));
-    struct engine_percept p = look(FIDUCIALS);
+    struct mu_percept p = look(FIDUCIALS);
     CU_ASSERT_EQUAL_FATAL(p.fiducial_count, 1);
     near_to(p.fiducials[0].heading_rad, 70 * DEG);
 }
@@ -438,7 +438,7 @@ static void test_limit_fiducials(void)
         double far = 4.9 - 0.05 * k;
         number(add(solid_disc(far * cos(turn), far * sin(turn), 0.05)), 1 + k);
     }
-    struct engine_percept p = look(FIDUCIALS);
+    struct mu_percept p = look(FIDUCIALS);
     CU_ASSERT_EQUAL_FATAL(p.fiducial_count, MU_FIDUCIALS_MAX);
     for (int k = 0; k < MU_FIDUCIALS_MAX; k++) {
         CU_ASSERT_EQUAL(p.fiducials[k].number, MU_FIDUCIALS_MAX + 8 - k);
@@ -465,7 +465,7 @@ static void test_a_robot_does_not_see_what_it_carries(void)
     thing->owner = 1;
     thing->fiducial = 5;
     start(1, 1);
-    struct engine_percept p = read(0, ALL, 0);
+    struct mu_percept p = read(0, ALL, 0);
     CU_ASSERT(p.sonar_m[0] < 1 && p.laser_m[45] < 1);
     CU_ASSERT(p.blob_count == 1 && p.fiducial_count == 1);
     thing->owner = 0;
@@ -482,7 +482,7 @@ static void test_what_nobody_wants_is_empty(void)
     number(&scene->moving[1], 3);
     start(1, 1);
     for (uint32_t wanted = 0; wanted <= ALL; wanted++) {
-        struct engine_percept p = read(0, wanted, wanted);
+        struct mu_percept p = read(0, wanted, wanted);
         CU_ASSERT_EQUAL(p.sonar_count, wanted & SONAR ? 2 : 0);
         CU_ASSERT_EQUAL(p.laser_count, wanted & LASER ? 90 : 0);
         CU_ASSERT_EQUAL(p.blob_count, wanted & CAMERA ? 1 : 0);
@@ -499,7 +499,7 @@ static void test_between_its_readings_the_last_one_stands(void)
     give_laser(r, 0, 1);
     add_sonar(r, 0, 1)->range_max_m = 20;
     r->laser.range_max_m = 20;
-    r->period_ns[WORLD_LASER] = 250000000; /* of steps of 100 ms: at 0, 3, 5, 8, 10 */
+    r->period_ns[MU_SENSOR_LASER] = 250000000; /* of steps of 100 ms: at 0, 3, 5, 8, 10 */
     add_box(10.1, 0, 0.1, 1);
     start(1, 1);
     double laser_x = 0;
@@ -508,7 +508,7 @@ static void test_between_its_readings_the_last_one_stands(void)
         place_robots();
         bool due = step == 0 || step == 3 || step == 5 || step == 8 || step == 10;
         laser_x = due ? r->pose.x_m : laser_x;
-        struct engine_percept p = read(0, ALL, step);
+        struct mu_percept p = read(0, ALL, step);
         near_to((double)p.sonar_m[0], 10 - r->pose.x_m);
         near_to((double)p.laser_m[0], 10 - laser_x);
     }
@@ -519,7 +519,7 @@ static void test_what_was_forgotten_is_read_anew(void)
     clear();
     struct world_robot *r = add_robot(0, 0, 0);
     give_laser(r, 0, 1)->range_max_m = 20;
-    r->period_ns[WORLD_LASER] = 300000000; /* of steps of 100 ms: at 0, 3, 6 */
+    r->period_ns[MU_SENSOR_LASER] = 300000000; /* of steps of 100 ms: at 0, 3, 6 */
     add_box(10.1, 0, 0.1, 1);
     start(1, 1);
     static const double wanted_m[] = {10, 10, 9.8, 9.7, 9.7}; /* forgotten before step 2 */
@@ -534,7 +534,7 @@ static void test_what_was_forgotten_is_read_anew(void)
     sensors_close(scene->sensors);
 }
 
-static uint64_t bits_of(const struct engine_percept *p)
+static uint64_t bits_of(const struct mu_percept *p)
 {
     uint64_t hash = mu_hash_bytes(MU_HASH_EMPTY, p->sonar_m, p->sonar_count * sizeof(float));
     hash = mu_hash_bytes(hash, p->laser_m, p->laser_count * sizeof(float));
@@ -581,7 +581,7 @@ static uint64_t bits_of_a_crowd(size_t threads, const char *kernel, const uint32
             sensors_read_all(scene->sensors, wanted, step);
         }
         for (size_t i = 0; i < TEAM; i++) {
-            struct engine_percept p = {0};
+            struct mu_percept p = {0};
             sensors_tell(scene->sensors, i, wanted[i], &p);
             uint64_t bits = bits_of(&p);
             hash = mu_hash_bytes(hash, &bits, sizeof bits);
@@ -623,7 +623,7 @@ static void test_reading_one_sensor_changes_no_other(void)
                 }
             }
         }
-        struct engine_percept p = read(2, LASER, 4);
+        struct mu_percept p = read(2, LASER, 4);
         memcpy(laser[all], p.laser_m, sizeof laser[all]);
     }
     CU_ASSERT_EQUAL(memcmp(laser[0], laser[1], sizeof laser[0]), 0);

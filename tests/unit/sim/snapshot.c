@@ -47,11 +47,12 @@ static uint64_t mix(uint64_t hash, double value)
 static uint64_t feel(struct engine *e, uint64_t hash)
 {
     for (size_t i = 0; i < 4; i++) {
-        struct engine_percept p = physics_sense(e, i);
-        const double felt[] = {p.position.x_m,  p.gps_y_m,      p.compass_rad,
-                               p.odometer.x_m,  p.odometer.y_m, p.odometer.heading_rad,
-                               p.stalled,       p.bumpers,      p.gripper,
-                               p.battery_share, p.forward_m_s,  p.fault};
+        struct engine_sample p = physics_sense(e, i);
+        const double felt[] = {
+            p.percept.x_m,           p.percept.gps_y_m,      p.percept.compass_rad,
+            p.percept.odometer_x_m,  p.percept.odometer_y_m, p.percept.odometer_heading_rad,
+            p.percept.stalled,       p.percept.bumpers,      p.percept.gripper,
+            p.percept.battery_share, p.percept.forward_m_s,  p.percept.fault};
         for (size_t k = 0; k < sizeof felt / sizeof felt[0]; k++) {
             hash = mix(hash, felt[k]);
         }
@@ -79,8 +80,8 @@ static uint64_t live(struct engine *e, unsigned from, unsigned to, bool *held)
         engine_step(e);
         hash = feel(e, physics_hash(e, hash));
         for (size_t i = 0; i < 4; i++) {
-            struct engine_percept p = physics_sense(e, i);
-            *held = *held || (p.gripper & ENGINE_GRIPPER_HOLDS) != 0;
+            struct engine_sample p = physics_sense(e, i);
+            *held = *held || (p.percept.gripper & MU_GRIPPER_HOLDS) != 0;
         }
     }
     return hash;
@@ -212,19 +213,19 @@ static void test_sensors_look_anew(void)
     physics_wall(5, 0, 0.1, 4);
     struct world_robot *r = physics_robot(0, 0, 0);
     r->laser = (struct world_laser){.range_max_m = 8, .fov_rad = 1, .samples = 3};
-    r->period_ns[WORLD_LASER] = 10000000000;
+    r->period_ns[MU_SENSOR_LASER] = 10000000000;
     struct engine *e = physics_start(1);
-    CU_ASSERT_DOUBLE_EQUAL((double)physics_run(e, 0, 1).laser_m[1], 4.9, 1e-6);
+    CU_ASSERT_DOUBLE_EQUAL((double)physics_run(e, 0, 1).percept.laser_m[1], 4.9, 1e-6);
     physics_drive(e, 0, 0.5, 0);
-    struct engine_percept p = physics_run(e, 0, 20);
-    CU_ASSERT_DOUBLE_EQUAL((double)p.laser_m[1], 4.9, 1e-6); /* it stands */
+    struct engine_sample p = physics_run(e, 0, 20);
+    CU_ASSERT_DOUBLE_EQUAL((double)p.percept.laser_m[1], 4.9, 1e-6); /* it stands */
     CU_ASSERT(p.pose.x_m > 0.5);
     size_t size = engine_save_size(e);
     CU_ASSERT_FATAL(size <= ROOM);
     engine_save(e, bytes);
     CU_ASSERT_EQUAL(engine_restore(e, bytes, size, &reason), MU_OK);
     p = physics_run(e, 0, 0);
-    CU_ASSERT_DOUBLE_EQUAL((double)p.laser_m[1], 4.9 - p.pose.x_m, 1e-6);
+    CU_ASSERT_DOUBLE_EQUAL((double)p.percept.laser_m[1], 4.9 - p.pose.x_m, 1e-6);
     engine_close(e);
 }
 

@@ -57,9 +57,10 @@ static void test_an_empty_record_has_its_head(void)
 static void test_rows(void)
 {
     struct tracks *r = open_at(path);
-    struct engine_percept p = {.pose = {1.5, -2.25, 0.125}, .forward_m_s = 0.3, .turn_rad_s = -1};
+    struct engine_sample p = {
+        .pose = {1.5, -2.25, 0.125}, .percept.forward_m_s = 0.3, .percept.turn_rad_s = -1};
     tracks_add(r, 0, "red", &p);
-    p.stalled = true;
+    p.percept.stalled = true;
     tracks_add(r, 100000000, "a-name-of-31-bytes-is-the-limit", &p);
     CU_ASSERT_EQUAL(tracks_close(r), MU_OK);
     CU_ASSERT_STRING_EQUAL(
@@ -99,7 +100,7 @@ static void test_numbers(void)
     struct tracks *r = open_at(path);
     for (size_t i = 0; i < CASES; i++) {
         double v = cases[i].value;
-        struct engine_percept p = {.pose = {v, 0, v}, .turn_rad_s = v};
+        struct engine_sample p = {.pose = {v, 0, v}, .percept.turn_rad_s = v};
         tracks_add(r, 0, "red", &p);
     }
     CU_ASSERT_EQUAL(tracks_close(r), MU_OK);
@@ -121,7 +122,7 @@ static void test_numbers_as_printf(void)
     enum { FROM = -300, TO = 300 };
     struct tracks *r = open_at(path);
     for (int i = FROM; i <= TO; i++) {
-        struct engine_percept p = {.pose = {0, i * 0.370370371 + i * i * 1.1e-5, 0}};
+        struct engine_sample p = {.pose = {0, i * 0.370370371 + i * i * 1.1e-5, 0}};
         tracks_add(r, (uint64_t)(i - FROM) * 123456789u, "b", &p);
     }
     CU_ASSERT_EQUAL(tracks_close(r), MU_OK);
@@ -143,7 +144,8 @@ static void test_limit_numbers(void)
     struct tracks *r = open_at(path);
     for (size_t i = 0; i < 4; i++) {
         double v = values[i];
-        struct engine_percept p = {.pose = {v, v, v}, .forward_m_s = v, .turn_rad_s = v};
+        struct engine_sample p = {
+            .pose = {v, v, v}, .percept.forward_m_s = v, .percept.turn_rad_s = v};
         tracks_add(r, UINT64_MAX, "a-name-of-31-bytes-is-the-limit", &p);
     }
     CU_ASSERT_EQUAL(tracks_close(r), MU_OK);
@@ -158,7 +160,7 @@ static void test_limit_numbers(void)
 
 static void test_a_full_disk_shows_at_the_close(void)
 {
-    struct engine_percept p = {.pose = {1, 2, 3}};
+    struct engine_sample p = {.pose = {1, 2, 3}};
     struct tracks *little = open_at("/dev/full");
     capture_begin();
     tracks_add(little, 0, "red", &p);

@@ -37,8 +37,8 @@ static void test_laser(void)
     NEAR(r->laser.noise.constant_m, 0.01);
     NEAR(r->laser.noise.per_m, 0.02);
     NEAR(r->laser.noise.angle_rad, 0.5 * M_PI / 180);
-    CU_ASSERT_EQUAL(r->period_ns[WORLD_LASER], 200000000u);
-    CU_ASSERT_EQUAL(r->period_ns[WORLD_SONAR], 0);
+    CU_ASSERT_EQUAL(r->period_ns[MU_SENSOR_LASER], 200000000u);
+    CU_ASSERT_EQUAL(r->period_ns[MU_SENSOR_SONAR], 0);
     r = robot_of("laser ( ) laser ( samples 90 )"); /* as Stage 3 had it; the first one stays */
     CU_ASSERT_EQUAL(r->laser.samples, 180);
     NEAR(r->laser.range_max_m, 8);
@@ -103,7 +103,7 @@ static void test_camera_finder_and_gripper(void)
     NEAR(r->camera.range_m, 5);
     NEAR(r->camera.fov_rad, M_PI / 2);
     NEAR(r->camera.pose.heading_rad, M_PI / 6);
-    CU_ASSERT_EQUAL(r->period_ns[WORLD_CAMERA], 500000000u);
+    CU_ASSERT_EQUAL(r->period_ns[MU_SENSOR_CAMERA], 500000000u);
     NEAR(r->finder.range_max_m, 6);
     NEAR(r->finder.range_id_m, 4);
     NEAR(r->finder.fov_rad, M_PI / 3);
