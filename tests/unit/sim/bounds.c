@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which worlds have an outside, and where it begins. */
+/* The bounds of a world: whether it is closed, and where it ends. */
 #include "sim/engine/engine_core.h"
 #include "suite.h"
 
@@ -11,7 +11,7 @@ enum { WALLS = 4 };
 
 static struct bounds bounds;
 
-/* Four walls around 10 by 6 m; the one on the right ends `gap` short. */
+/* Four walls around 10 m by 6 m; the wall on the right ends `gap` metres short. */
 static uint32_t returns = SOLID_ALL; /* of the wall on the right */
 
 static void measure(double gap, double body_m, size_t count)
@@ -35,7 +35,7 @@ static void test_four_walls_close_a_world(void)
     CU_ASSERT_FALSE(bounds_holds(&bounds, 0, -3.21));
     CU_ASSERT_FALSE(bounds_holds(&bounds, (double)NAN, 0));
     CU_ASSERT_FALSE(bounds_holds(&bounds, 0, (double)INFINITY));
-    measure(0.3, 0.38, WALLS); /* no way out for what is wider */
+    measure(0.3, 0.38, WALLS); /* no way out for wider bodies */
     CU_ASSERT_TRUE(bounds.closed);
 }
 
@@ -47,7 +47,7 @@ static void test_a_way_out_opens_it(void)
     CU_ASSERT_FALSE(bounds_holds(&bounds, 1e9, 0));
     for (size_t count = 0; count < WALLS; count++) {
         measure(0, 0.38, count);
-        CU_ASSERT_FALSE(bounds.closed && count != 1); /* one wall alone is a box, all full */
+        CU_ASSERT_FALSE(bounds.closed && count != 1); /* one wall alone is a closed box */
     }
 }
 

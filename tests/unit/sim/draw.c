@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Noise: its distribution, and that its streams know nothing of one another. */
+/* Random numbers: their distribution, and the independence of their streams. */
 #include "sim/geometry/geometry.h"
 #include "suite.h"
 
@@ -9,7 +9,7 @@
 
 enum { DRAWS = 200000, BINS = 64 };
 
-/* The bits whose unit is the nearest to u. */
+/* @return the bits for which draw_unit is nearest to u */
 static uint64_t bits_of(double u)
 {
     return (uint64_t)(u * 0x1p52) << 12;
@@ -35,7 +35,9 @@ static void test_ends_are_finite(void)
     CU_ASSERT(draw_unit(0) > 0 && draw_unit(UINT64_MAX) < 1);
 }
 
-/* Chi square of BINS bins has BINS - 1 degrees: beyond 5 deviations of it is no chance. */
+/*
+ * Chi square of BINS bins has BINS - 1 degrees of freedom; 5 deviations beyond that are no chance.
+ */
 static double chi_square(const unsigned count[BINS], double draws)
 {
     double sum = 0;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Fans of beams against single rays and against looking at everything; the vector units against
- * one another; what a collection must not miss. */
+/*
+ * Fans of beams against single rays and against a test of all solids; vector units against one
+ * another; completeness of a query.
+ */
 #include "sim/sensors/fan.h"
 #include "core/hash.h"
 #include "core/random.h"
@@ -46,7 +48,7 @@ static void scatter_moving(double side_m)
         moving[i].x = there.x;
         moving[i].y = there.y;
         moving[i].returns = there.returns;
-        moving[i].owner = i % 7 == 3 ? i - 1 : i; /* some are carried by another */
+        moving[i].owner = i % 7 == 3 ? i - 1 : i; /* some are carried by another one */
     }
     grid_update(&grid);
     gather_update(&gather);
@@ -58,7 +60,7 @@ struct scene {
     int32_t self;
 };
 
-/* Tables are kept: there is no way to give their memory back. */
+/* Tables are kept, as their memory cannot be released. */
 static struct fan_table tables[8];
 
 static struct scene any_scene(double side_m)
@@ -108,7 +110,7 @@ static int64_t hits[BEAMS + FAN_PAD];
 
 static size_t met;
 
-/* @return how many beams differ from what single rays say */
+/* @return how many beams differ from single rays */
 static size_t beams_wrong(const struct scene *scene)
 {
     size_t wrong = 0;
@@ -123,7 +125,7 @@ static size_t beams_wrong(const struct scene *scene)
         same = same && fabs(brute_force(scene, along) - ranges[k]) < 1e-9;
         if (range < scene->eye.range_m - 1e-9) {
             const struct solid *met_solid = gather_solid(&gather, hits[k]);
-            /* Where two overlap, both may be met at once. */
+            /* where two solids overlap, both may be hit */
             same = same && hits[k] != FAN_NOTHING &&
                    fabs(solid_ray(met_solid, from, along, 99) - range) < 1e-9;
             met++;
@@ -156,7 +158,7 @@ static void test_fans_equal_single_rays(void)
     CU_ASSERT_EQUAL(wrong, 0);
 }
 
-/* All ranges and hits of the same scenes, as one number. */
+/* @return a hash of all ranges and hits of the same scenes */
 static uint64_t bits_of_scenes(const char *name, uint64_t seed)
 {
     uint64_t hash = MU_HASH_EMPTY;
@@ -188,7 +190,7 @@ static void test_every_vector_unit_gives_the_same_bits(void)
     }
 }
 
-/* --- rays from anywhere ----------------------------------------------------------------------- */
+/* --- rays with any start ---------------------------------------------------------------------- */
 
 static void any_rays(struct fan_rays *rays, const struct scene *scene)
 {
@@ -204,7 +206,7 @@ static void any_rays(struct fan_rays *rays, const struct scene *scene)
     }
 }
 
-/* The range of one ray, by a look at everything. */
+/* @return the range of one ray, by a test of all solids */
 static double range_alone(const struct fan_rays *rays, size_t k, int32_t self, double best)
 {
     const double from[2] = {rays->from_x[k], rays->from_y[k]};
@@ -218,7 +220,7 @@ static double range_alone(const struct fan_rays *rays, size_t k, int32_t self, d
     return best;
 }
 
-/* @return how many rays differ from those that go alone; counts what was cast and what was met */
+/* Compares batches with single rays, and counts rays and hits.  @return how many rays differ */
 static size_t rays_wrong(struct fan_rays *rays, size_t *cast, size_t *hit)
 {
     static double limit_m[RAYS];
@@ -281,7 +283,7 @@ static void test_unknown_vector_units_are_refused(void)
     CU_ASSERT_STRING_EQUAL(fan_kernel()->name, before);
 }
 
-/* How far a solid is from a point, by the rays that would meet it first. */
+/* @return the distance of a solid from a point */
 static double apart(const struct solid *solid, double x, double y)
 {
     double gx = x - solid->x;
@@ -295,7 +297,7 @@ static double apart(const struct solid *solid, double x, double y)
 static void test_collections_are_complete_and_say_each_once(void)
 {
     for (int round = 0; round < 60; round++) {
-        bool far = round % 3 == 2; /* both eye and solids leave the tiles */
+        bool far = round % 3 == 2; /* both the scanner and the solids are outside the tiles */
         scatter_moving(far ? 60 : 9);
         struct scene scene = any_scene(far ? 60 : 10);
         scene.eye.range_m = between(0.1, far ? 40 : 8);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays and neighbours through the grid, against looking at everything. */
+/* Rays and queries through the grid, compared with a test of all solids. */
 #include "core/random.h"
 #include "sim/geometry/geometry.h"
 #include "suite.h"
@@ -45,7 +45,7 @@ static double brute_force(int self, const double from[2], const double along[2],
 
 static void scatter_moving(double side_m)
 {
-    for (size_t i = 0; i < MOVING; i++) { /* each keeps its size, as robots do */
+    for (size_t i = 0; i < MOVING; i++) { /* sizes stay, as those of robots do */
         struct solid there = any_solid(side_m);
         moving[i].x = there.x;
         moving[i].y = there.y;
@@ -117,7 +117,7 @@ static void test_neighbours_are_complete(void)
                 twice += met_moving[near.moving[k]]++;
                 CU_ASSERT_FATAL(near.moving[k] > i);
             }
-            /* Circles of the smaller half sizes surely touch. */
+            /* Circles of the smaller half sizes touch for certain. */
             for (size_t k = 0; k < STILL; k++) {
                 double apart = hypot(moving[i].x - still[k].x, moving[i].y - still[k].y);
                 missed += !met_still[k] && apart < fmin(moving[i].half_x, moving[i].half_y) +

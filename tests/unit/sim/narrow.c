@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Contacts: hand-computed ones, and thousands of any pairs against libccd. */
+/* Contacts: some computed by hand, and thousands of random pairs against libccd. */
 #include "core/random.h"
 #include "sim/geometry/geometry.h"
 #include "suite.h"
@@ -9,7 +9,7 @@
 #include <CUnit/Basic.h>
 #include <math.h>
 
-/* libccd walks round shapes by steps: it may miss an overlap that is shallower than this. */
+/* libccd approximates round shapes in steps: it may miss a shallower overlap. */
 #define CCD_ROUND_M 5e-3
 
 #define NEAR(a, b) CU_ASSERT_DOUBLE_EQUAL(a, b, 1e-12)
@@ -95,12 +95,13 @@ static void test_discs_and_boxes(void)
     NEAR(c.normal_y, -1);
     NEAR(c.points[0].depth, 0.2);
     NEAR(c.points[0].y, 0.4);
-    struct solid inside = solid_disc(0.7, 0.1, 0.2); /* its middle lies in the box */
+    struct solid inside = solid_disc(0.7, 0.1, 0.2); /* its middle is inside the box */
     narrow_collide(&box, &inside, &c);
     CU_ASSERT_EQUAL_FATAL(c.count, 1);
     NEAR(c.normal_x, -1);
     NEAR(c.points[0].depth, 0.5);
-    narrow_collide(&disc, &disc, &c); /* one on the other: some way out, and no NaN */
+    narrow_collide(&disc, &disc,
+                   &c); /* one on top of the other: any direction will do, but no NaN */
     NEAR(hypot(c.normal_x, c.normal_y), 1);
 }
 
@@ -137,7 +138,9 @@ static void test_any_pair_as_libccd(void)
         for (size_t k = 0; k < c.count; k++) {
             depth = fmax(depth, c.points[k].depth);
         }
-        /* Moved by the depth along the normal they are apart, by a little less they are not. */
+        /*
+         * Moved by the depth along the normal they are apart; moved by a little less they are not.
+         */
         struct solid moved = a;
         moved.x += c.normal_x * (depth + 1e-6);
         moved.y += c.normal_y * (depth + 1e-6);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Who is listed as near whom, against a look at everybody. */
+/* Neighbour lists, compared with a test of all pairs. */
 #include "physics.h"
 #include "sim/engine/engine_core.h"
 #include "suite.h"
@@ -7,9 +7,10 @@
 enum { HEAP = 100 };
 
 static struct world_object heap[HEAP];
-static size_t pairs_near; /* that were met in a test: else it would have looked at nothing */
+static size_t
+    pairs_near; /* near pairs that a test has met; none would mean that it tests nothing */
 
-/* Robots among pucks, a long bar, and walls; some lie right at the edge of the world. */
+/* Robots among pucks, a long bar and walls.  Some stand at the edge of the world. */
 static struct engine *start_a_crowd(void)
 {
     physics_clear();
@@ -30,8 +31,10 @@ static bool is_pair(const struct engine_pair *pair, uint32_t part, uint32_t othe
     return pair->part == part && pair->other == other && pair->stands == stands;
 }
 
-/* Goes through all that are near a part, in order: each must come in the list, later than the one
- * before.  @return how many do not */
+/*
+ * Compares the list of a part with all parts near it: each must be listed, in order.
+ * @return how many are missing
+ */
 static size_t count_missed(struct engine *e, uint32_t part)
 {
     size_t count;
@@ -112,7 +115,7 @@ static void test_lists_are_kept_while_nothing_moves_far(void)
     engine_close(e);
 }
 
-/* Listed when both had gone apart after they were marked; then they come together. */
+/* A pair is listed after both parts have moved apart from their marks; then they approach. */
 static void test_a_list_that_is_asked_for_late(void)
 {
     physics_clear();
@@ -136,7 +139,7 @@ static void test_a_list_that_is_asked_for_late(void)
     engine_close(e);
 }
 
-/* More pairs than the lists have room for: the rest is looked for. */
+/* The lists have no room for all pairs: the others are found without a list. */
 static void test_a_heap_that_is_too_dense_for_the_lists(void)
 {
     physics_clear();

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Threads that share a job: each piece is done once, whoever comes late. */
+/* Threads that share a job: each piece is done once, at any timing. */
 #include "sim/sensors/pool.h"
 #include "suite.h"
 
@@ -16,7 +16,8 @@ enum { PIECES = 64, ROUNDS = 2000, THREADS = 4 };
 struct job {
     atomic_uint done[PIECES];
     atomic_uint by[THREADS];
-    atomic_bool busy[THREADS]; /* two pieces at once for one worker would share its scratch */
+    atomic_bool
+        busy[THREADS]; /* two simultaneous pieces of one worker would share scratch memory */
     atomic_uint clashes;
     unsigned pause_us;
 };
@@ -78,7 +79,7 @@ static void test_the_others_help_also_after_a_rest(void)
     struct pool *pool = pool_open(2);
     job.pause_us = 2000;
     for (int round = 0; round < 3; round++) {
-        usleep(20000); /* by now they have lain down */
+        usleep(20000); /* by now the threads sleep */
         pool_run(pool, PIECES, work, &job);
     }
     CU_ASSERT_EQUAL(pieces_wrong(&job, PIECES, 3), 0);
@@ -86,7 +87,7 @@ static void test_the_others_help_also_after_a_rest(void)
     pool_close(pool);
 }
 
-/* Some jobs at once, some after a breath, some when the others have lain down. */
+/* Jobs follow at once, after a short pause, or when the threads sleep. */
 static void test_jobs_may_come_at_any_pace(void)
 {
     static const unsigned breaths_us[] = {0, 0, 0, 100, 0, 1000, 0, 0, 300};

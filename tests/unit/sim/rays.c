@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A million rays through the grid, against ODE's own, which know nothing of grids. */
+/* A million rays through the grid, compared with ODE's rays, which use no grid. */
 #include "core/random.h"
 #include "sim/geometry/geometry.h"
 #include "suite.h"
@@ -35,7 +35,7 @@ static struct solid any_solid(void)
                                        : solid_box((struct world_pose){x, y, turn}, half_x, half_y);
 }
 
-/* The same thing, 2 m high, in ODE: a cylinder stands upright there. */
+/* Adds the same shape, 2 m high, to ODE: an upright cylinder or a box. */
 static void geom_add(const struct solid *solid)
 {
     bool disc = solid->kind == WORLD_DISC;
