@@ -94,6 +94,16 @@ static void group_round(void *self)
     group_process_look(self);
 }
 
+static int functions_print(void)
+{
+    static char bytes[32 << 10];
+    struct mu_text text;
+    mu_text_init(&text, bytes, sizeof bytes);
+    mind_functions(&text);
+    fputs(text.at, stdout);
+    return MU_EXIT_DONE;
+}
+
 int main(int argc, char **argv)
 {
     const struct robot_options *set;
@@ -102,8 +112,7 @@ int main(int argc, char **argv)
         return mu_exit_for(parsed);
     }
     if (set->functions) {
-        mind_print_functions();
-        return MU_EXIT_DONE;
+        return functions_print();
     }
     mu_log_open(set->name, set->verbose ? MU_LOG_INFO : MU_LOG_WARNING);
     struct group_process *g = group_make(set);
@@ -120,7 +129,7 @@ int main(int argc, char **argv)
     trips_listen(g->process, &listener);
     mu_process_each_round(g->process, group_round, g);
     process_before_up(g->process, group_save, g);
-    mind_watchdog();
+    watchdog_start();
     mu_memory_seal();
     mu_result ran = mu_process_run(g->process);
     mu_process_close(g->process);

@@ -201,6 +201,11 @@ struct mind_ports ports_of(struct robot *r);
 /** Ends the line that its rules have begun to print. */
 void ports_print_rest(struct robot *r);
 
+/* watchdog.c */
+
+/** Looks after minds whose engine hangs, from now on, four times a second. */
+void watchdog_start(void);
+
 /* console.c */
 
 /** Keeps text for the robot's consoles.  @return whether it has any */

@@ -5,6 +5,7 @@
 #include "core/fault.h"
 #include "core/log.h"
 #include "muster/memory.h"
+#include "planner/planner.h"
 #include "world/world_load.h"
 
 #include <inttypes.h>

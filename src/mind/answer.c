@@ -4,9 +4,8 @@
  * (answer-status); its goal; its facts; a mail of a layer by the handlers of that layer.
  */
 #include "core/performatives.h"
-#include "mind/engine/value.h"
-#include "mind/facts/facts.h"
-#include "mind/functions/send.h"
+#include "mind/mind.h"
+#include "mind/snapshot/snapshot.h"
 
 #include <string.h>
 
@@ -90,8 +89,8 @@ static uint32_t layer_of(const struct mind_mail *mail)
 
 bool mind_has_layer(const struct mind *m, uint32_t layer)
 {
-    for (size_t i = 0; i < m->handler_count; i++) {
-        if (m->handlers[i].layer == layer) {
+    for (size_t i = 0; i < m->output->handler_count; i++) {
+        if (m->output->handlers[i].layer == layer) {
             return true;
         }
     }
@@ -119,9 +118,9 @@ static bool layer_call(struct mind *m, const struct mind_mail *mail, const char 
     struct expr call = {.type = PCALL, .value = f, .argList = arguments};
     DATA_OBJECT result;
     environment_enter(m, CLIPS_MODE_FIRE);
-    m->handled = mail;
+    m->output->handled = mail;
     EvaluateExpression(m->env, &call, &result);
-    m->handled = NULL;
+    m->output->handled = NULL;
     bool passes = result.type == SYMBOL && result.value == EnvFalseSymbol(m->env);
     bool failed = environment_leave(m);
     for (size_t i = 0; i + 1 < LAYERS_ARGUMENTS; i++) {
@@ -136,12 +135,12 @@ static bool layer_call(struct mind *m, const struct mind_mail *mail, const char 
 bool mind_handle(struct mind *m, const struct mind_mail *mail)
 {
     struct layers_handler chain[LAYERS_HANDLERS_MAX]; /* a handler may add others */
-    size_t count = m->handler_count;
+    size_t count = m->output->handler_count;
     bool list, taken = false;
     if (!mind_has_layer(m, layer_of(mail)) || CLIPS_BROKEN(m)) {
         return false;
     }
-    memcpy(chain, m->handlers, count * sizeof chain[0]);
+    memcpy(chain, m->output->handlers, count * sizeof chain[0]);
     environment_enter(m, CLIPS_MODE_QUIET);
     budget_start(m, 0);
     clips_diary_mail(m, mail);

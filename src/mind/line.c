@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a person types on a console, or another agent has done by (you-do). */
 #include "core/glance.h"
-#include "mind/engine/value.h"
-#include "mind/facts/facts.h"
+#include "mind/mind.h"
+#include "mind/snapshot/snapshot.h"
 
 #include <ctype.h>
 #include <string.h>
@@ -125,7 +125,7 @@ static struct glance_before glance_begin(struct mind *m)
                                    .allocations = m->allocations,
                                    .stopped = m->stopped,
                                    .memory_max = m->memory_max,
-                                   .ring_unseen = m->ring_unseen,
+                                   .ring_unseen = m->inputs->ring_unseen,
                                    .diary = m->diary,
                                    .diary_lost = m->diary_lost,
                                    .next_fact = FactData(m->env)->NextFactIndex,
@@ -141,12 +141,12 @@ static struct glance_before glance_begin(struct mind *m)
 static void glance_end(struct mind *m, const struct glance_before *before)
 {
     if (before->ring_unseen) {
-        fact_retract(m, m->lists[MU_CHANNEL_SONAR].facts);
+        fact_retract(m, m->inputs->lists[MU_CHANNEL_SONAR].facts);
     }
     CleanCurrentGarbageFrame(m->env, NULL);
     FactData(m->env)->NextFactIndex = before->next_fact;
     DefruleData(m->env)->CurrentEntityTimeTag = before->time_tag;
-    m->ring_unseen = before->ring_unseen;
+    m->inputs->ring_unseen = before->ring_unseen;
     m->diary = before->diary;
     m->diary.at[m->diary.len] = '\0';
     m->diary_lost = before->diary_lost;
@@ -247,4 +247,9 @@ void mind_words(struct mind *m, struct mu_text *out)
     for (void *g = EnvGetNextDefglobal(m->env, NULL); g; g = EnvGetNextDefglobal(m->env, g)) {
         mu_text_format(out, "g ?*%s*\n", EnvGetDefglobalName(m->env, g));
     }
+}
+
+void mind_functions(struct mu_text *out)
+{
+    functions_page(out);
 }

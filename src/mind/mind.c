@@ -1,14 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A mind: how it is made, loaded, written down and restored. */
+#include "mind/mind.h"
 #include "core/name.h"
-#include "mind/engine/value.h"
-#include "mind/facts/facts.h"
-#include "mind/functions/table.h"
+
 #include "mind/snapshot/snapshot.h"
 #include "muster/memory.h"
 
 #include <stdio.h>
 #include <string.h>
+
+/* CLIPS calls this behind each rule: one that called (update-sensors) or (moveTo) is the last. */
+static void mind_after_rule(void *env)
+{
+    const struct mind *m = environment_mind(env);
+    if (m->output->sense_again || m->output->travel.kind != MIND_STAYS) {
+        EnvHalt(env);
+    }
+}
 
 static void env_install(struct mind *m)
 {
@@ -18,7 +26,7 @@ static void env_install(struct mind *m)
     builtins_install(m);
     functions_install(m);
     load_install(m);
-    step_install(m);
+    EnvAddRunFunction(m->env, "mu-step", mind_after_rule, 0);
     clips_diary_install(m);
     meter_install(m);
 }
@@ -31,29 +39,27 @@ static mu_result env_load_library(struct mind *m, struct mu_fault *fault)
     char path[MU_FAULT_FILE_MAX + 1];
     snprintf(path, sizeof path, "%s/muster.clp", m->options.rules_folder);
     mu_result loaded = load_file(m, path, fault);
-    m->rules_speak = false;
+    m->output->rules_speak = false;
     return loaded;
 }
 
 struct mind *mind_reserve(void)
 {
     struct mind *m = mu_startup_alloc(sizeof *m);
-    m->scratch = mu_startup_alloc(MU_CONTENT_MAX + 1);
+    m->output = mu_startup_alloc(sizeof *m->output);
+    facts_reserve(m);
     load_reserve(m);
-    mailbox_reserve(m);
     return m;
 }
 
 /* What was there of another mind goes; its memory stays. */
 static void env_clear(struct mind *m)
 {
-    const struct mind before = {.scratch = m->scratch,
-                                .text = m->text,
-                                .form = m->form,
-                                .messages = m->messages,
-                                .parked = m->parked,
-                                .places = m->places};
+    const struct mind before = {
+        .inputs = m->inputs, .output = m->output, .loader = m->loader, .places = m->places};
     *m = before;
+    *m->output = (struct mind_output){.asked = 0};
+    facts_clear(m);
 }
 
 static mu_result env_take_options(struct mind *m, const struct mind_options *options,
@@ -90,7 +96,7 @@ mu_result mind_begin(struct mind *m, const struct mind_options *options, struct 
     MU_TRY(env_take_options(m, options, fault));
     mu_text_init(&m->fired, m->fired_bytes, sizeof m->fired_bytes);
     mu_text_init(&m->said, m->said_bytes, sizeof m->said_bytes);
-    mu_random_seed(&m->random, options->seed, m->options.name);
+    mu_random_seed(&m->output->random, options->seed, m->options.name);
     heap_make(m);
     env_install(m);
     if (CLIPS_BROKEN(m)) {
@@ -127,8 +133,8 @@ void mind_close(struct mind *m)
 
 struct mind_travel mind_travel(struct mind *m)
 {
-    struct mind_travel w = m->travel;
-    m->travel = (struct mind_travel){.kind = MIND_STAYS};
+    struct mind_travel w = m->output->travel;
+    m->output->travel = (struct mind_travel){.kind = MIND_STAYS};
     return w;
 }
 
@@ -139,20 +145,20 @@ void mind_forgive(struct mind *m)
 
 enum mind_wish mind_wish(struct mind *m, uint32_t *rules)
 {
-    enum mind_wish wish = m->wish;
-    *rules = m->wish_rules;
-    m->wish = MIND_WISH_NOTHING;
+    enum mind_wish wish = m->output->wish;
+    *rules = m->output->wish_rules;
+    m->output->wish = MIND_WISH_NOTHING;
     return wish;
 }
 
 void mind_go_on(struct mind *m)
 {
-    m->passes = m->stands[0] != '\0';
+    m->output->passes = m->output->stands[0] != '\0';
 }
 
 bool mind_speaks(const struct mind *m)
 {
-    return m->rules_speak;
+    return m->output->rules_speak;
 }
 
 uint32_t mind_senses(const struct mind *m)
@@ -258,4 +264,14 @@ mu_result mind_restore(struct mind *m, const char *capsule, size_t len, struct m
     }
     MU_TRY(snapshot_load(m, capsule, fault, name));
     return name_set(m, name);
+}
+
+void mind_diary(struct mind *m, struct mu_text *out)
+{
+    mu_text_add_bytes(out, m->diary.at, m->diary.len);
+    if (m->diary_lost > 0) {
+        mu_text_format(out, "~ %u\n", m->diary_lost);
+    }
+    m->diary_lost = 0;
+    mu_text_clear(&m->diary);
 }

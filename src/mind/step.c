@@ -1,23 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A step: what a mind is told, and the firing of its rules. */
-#include "mind/facts/facts.h"
+#include "mind/mind.h"
+#include "mind/snapshot/snapshot.h"
 
 #include <stdio.h>
 #include <string.h>
-
-/* CLIPS calls this behind each rule: one that called (update-sensors) or (moveTo) is the last. */
-static void fire_after_rule(void *env)
-{
-    const struct mind *m = environment_mind(env);
-    if (m->sense_again || m->travel.kind != MIND_STAYS) {
-        EnvHalt(env);
-    }
-}
-
-void step_install(struct mind *m)
-{
-    EnvAddRunFunction(m->env, "mu-step", fire_after_rule, 0);
-}
 
 /* Fires rules until one errs, the step ends, or the budget is used. */
 static uint32_t fire_some(struct mind *m, uint32_t budget, bool *failed)
@@ -40,23 +27,23 @@ static uint32_t fire_some(struct mind *m, uint32_t budget, bool *failed)
 
 static enum mind_end fire_loop(struct mind *m, uint32_t budget)
 {
-    while (m->act.firings < budget) {
+    while (m->output->act.firings < budget) {
         bool failed;
         if (lifecycle_stops(m)) {
-            m->act.why = m->stands;
+            m->output->act.why = m->output->stands;
             return MIND_BREAK;
         }
-        uint32_t fired = fire_some(m, budget - m->act.firings, &failed);
-        m->act.firings += fired;
-        m->act.errors += failed;
+        uint32_t fired = fire_some(m, budget - m->output->act.firings, &failed);
+        m->output->act.firings += fired;
+        m->output->act.errors += failed;
         if (m->stopped) {
-            m->act.why = m->stopped;
+            m->output->act.why = m->stopped;
             return MIND_STOPPED;
         }
-        if (m->sense_again || m->travel.kind != MIND_STAYS) {
+        if (m->output->sense_again || m->output->travel.kind != MIND_STAYS) {
             return MIND_SENSE_AGAIN;
         }
-        bool idle = !failed && m->act.firings < budget && !lifecycle_breaks(m);
+        bool idle = !failed && m->output->act.firings < budget && !lifecycle_breaks(m);
         if (fired == 0 || idle) {
             return MIND_IDLE;
         }
@@ -91,18 +78,20 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act)
     budget_start(m, 0);
     mu_text_clear(&m->fired);
     m->printed = 0;
-    m->sense_again = false;
+    m->output->sense_again = false;
     m->rule = NULL;
-    m->act.end = fire_loop(m, budget);
-    m->act.rules = m->fired.at;
+    m->output->act.end = fire_loop(m, budget);
+    m->output->act.enough = m->enough ? m->reason : NULL;
+    m->enough = false;
+    m->output->act.rules = m->fired.at;
     clips_diary_agenda(m);
-    *act = m->act;
-    m->act = (struct mind_act){.drives = false};
+    *act = m->output->act;
+    m->output->act = (struct mind_act){.drives = false};
 }
 
 void mind_percept(struct mind *m, const struct mu_percept *percept)
 {
-    m->step++;
+    m->inputs->step++;
     if (CLIPS_BROKEN(m)) {
         return;
     }
@@ -119,7 +108,7 @@ void mind_percept(struct mind *m, const struct mu_percept *percept)
 
 void mind_feel_nothing(struct mind *m, uint64_t time_ns)
 {
-    m->step++;
+    m->inputs->step++;
     if (CLIPS_BROKEN(m)) {
         return;
     }
@@ -133,14 +122,14 @@ void mind_feel_nothing(struct mind *m, uint64_t time_ns)
 
 void mind_event(struct mind *m, enum mu_event event)
 {
-    m->pending[event] = true;
+    m->inputs->pending[event] = true;
 }
 
 void mind_event_now(struct mind *m, enum mu_event event, struct mind_act *act)
 {
     volatile bool awaited = false; /* over what CLIPS_BROKEN comes back to */
     *act = (struct mind_act){.rules = "", .end = MIND_IDLE};
-    m->pending[event] = true;
+    m->inputs->pending[event] = true;
     if (!CLIPS_BROKEN(m)) {
         environment_enter(m, CLIPS_MODE_QUIET);
         budget_start(m, 0);
@@ -157,7 +146,7 @@ void mind_mail_returned(struct mind *m, const char *verb, const char *to, const 
 {
     char what[2 * (MU_FIELD_MAX + 1)];
     struct mu_text t;
-    if (CLIPS_BROKEN(m) || !m->event->patternNetwork) {
+    if (CLIPS_BROKEN(m) || !m->inputs->event->patternNetwork) {
         return;
     }
     mu_text_init(&t, what, sizeof what);
@@ -203,13 +192,13 @@ static void relations_clear(struct mind *m, const char *const *relations)
 
 void mind_observe(struct mind *m, uint64_t time_ns, const char *const *relations)
 {
-    m->step++;
+    m->inputs->step++;
     if (CLIPS_BROKEN(m)) {
         return;
     }
     environment_enter(m, CLIPS_MODE_QUIET);
     budget_start(m, 0);
-    m->percept.time_ns = time_ns;
+    m->inputs->percept.time_ns = time_ns;
     relations_clear(m, relations);
     events_assert(m);
     messages_age(m);

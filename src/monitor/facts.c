@@ -2,7 +2,7 @@
 #include "monitor/facts.h"
 
 #include "core/log.h"
-#include "mind/engine/syntax.h"
+#include "mind/syntax/syntax.h"
 
 #include <inttypes.h>
 #include <math.h>

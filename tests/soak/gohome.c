@@ -11,6 +11,7 @@
 #include "core/random.h"
 #include "mind/mind.h"
 #include "muster/memory.h"
+#include "planner/planner.h"
 #include "sim/engine/engine.h"
 #include "world/world_load.h"
 

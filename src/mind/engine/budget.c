@@ -3,7 +3,7 @@
  * What stops rules that do not end by themselves.  Everything is counted, nothing is timed, so that
  * a run that meets a guard is still the same run when it is done again.
  */
-#include "mind/clips_mind.h"
+#include "mind/engine/engine.h"
 
 #include <prccode.h>
 

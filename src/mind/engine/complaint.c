@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What went wrong in a rule or a function, shown once. */
 #include "core/hash.h"
-#include "mind/clips_mind.h"
+#include "mind/engine/engine.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The environment of an engine: what is taken out of it, where its output goes, its globals. */
-#include "mind/engine/value.h"
+#include "mind/engine/engine.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -148,6 +148,11 @@ static int env_route_exit(void *env, int code)
     return TRUE;
 }
 
+static struct {
+    struct mind *mind;
+    uint64_t entries;
+} environment_last;
+
 void environment_enter(struct mind *m, enum clips_mode mode)
 {
     m->stack = __builtin_frame_address(0);
@@ -156,8 +161,15 @@ void environment_enter(struct mind *m, enum clips_mode mode)
     mu_text_clear(&m->said);
     SetHaltExecution(m->env, FALSE);
     SetEvaluationError(m->env, FALSE);
-    watchdog_enter(m);
+    environment_last.mind = m;
+    environment_last.entries++;
     m->sheltered = true;
+}
+
+struct mind *environment_entered(uint64_t *entries)
+{
+    *entries = environment_last.entries;
+    return environment_last.mind;
 }
 
 bool environment_leave(struct mind *m)

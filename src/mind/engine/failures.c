@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What is counted of rules that fail, and when it is enough. */
-#include "mind/clips_mind.h"
+#include "mind/engine/engine.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -40,5 +40,5 @@ void clips_failure_note(struct mind *m)
     }
     snprintf(m->reason, sizeof m->reason, "rule %.32s failed %u times%s%s", line->rule,
              (unsigned)line->count, m->stopped ? ": " : "", m->stopped ? m->stopped : "");
-    m->act.enough = m->reason;
+    m->enough = true;
 }

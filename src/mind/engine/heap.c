@@ -4,7 +4,7 @@
  * malloc's.  All of them are in lists, so that a mind gives back everything at once, whatever state
  * CLIPS is in.
  */
-#include "mind/clips_mind.h"
+#include "mind/engine/engine.h"
 
 #include <malloc.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
  * So an argument for which there are no ticks left comes to the function as an empty one, and the
  * rule ends behind it.
  */
-#include "mind/clips_mind.h"
+#include "mind/engine/engine.h"
 
 #include <string.h>
 

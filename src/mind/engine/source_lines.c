@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Where rules and functions come from, for who reads that one has failed. */
-#include "mind/clips_mind.h"
+#include "mind/engine/engine.h"
 #include "muster/memory.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What goes on in a mind, line by line, for recordings: docs/observing.md has the lines. */
-#include "mind/engine/value.h"
+#include "mind/engine/engine.h"
 
 #include <math.h>
 #include <string.h>
@@ -192,13 +192,13 @@ void clips_diary_rule(struct mind *m)
     }
 }
 
-void clips_diary_speed(struct mind *m)
+void clips_diary_speed(struct mind *m, double forward_m_s, double turn_rad_s)
 {
     if (m->options.diary) {
         size_t start = m->diary.len;
         mu_text_add(&m->diary, "V");
-        line_add_reading(&m->diary, m->act.forward_m_s * 1000);
-        line_add_reading(&m->diary, m->act.turn_rad_s * 180 / M_PI);
+        line_add_reading(&m->diary, forward_m_s * 1000);
+        line_add_reading(&m->diary, turn_rad_s * 180 / M_PI);
         line_end(m, start);
     }
 }
@@ -225,14 +225,4 @@ void clips_diary_agenda(struct mind *m)
         line_add_basis(&m->diary, a->basis);
         line_end(m, start);
     }
-}
-
-void mind_diary(struct mind *m, struct mu_text *out)
-{
-    mu_text_add_bytes(out, m->diary.at, m->diary.len);
-    if (m->diary_lost > 0) {
-        mu_text_format(out, "~ %u\n", m->diary_lost);
-    }
-    m->diary_lost = 0;
-    mu_text_clear(&m->diary);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "mind/engine/value.h"
+#include "mind/engine/engine.h"
 
 #include <math.h>
 

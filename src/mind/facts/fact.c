@@ -35,29 +35,3 @@ bool fact_is_used(const struct deftemplate *template)
     }
     return template->patternNetwork || template->watch || template->busyCount - 1 > facts;
 }
-
-/* What C code keeps pointers to is in use: CLIPS does not let it be removed. */
-static struct deftemplate *fact_hold_relation(struct mind *m, const char *name)
-{
-    struct deftemplate *t = CreateImpliedDeftemplate(m->env, EnvAddSymbol(m->env, name), TRUE);
-    t->busyCount++;
-    return t;
-}
-
-bool facts_build(struct mind *m)
-{
-    if (!EnvBuild(m->env, "(deftemplate mail (slot id) (slot from) (slot to) (slot performative)"
-                          " (slot language) (slot ontology) (slot reply-with) (slot in-reply-to)"
-                          " (slot conversation) (multislot content) (slot layer))")) {
-        return false;
-    }
-    m->position = fact_hold_relation(m, "position");
-    for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
-        m->lists[i].relation = fact_hold_relation(m, mu_channels[i].fact);
-    }
-    m->message = fact_hold_relation(m, "message");
-    m->event = fact_hold_relation(m, "event");
-    m->mail = EnvFindDeftemplate(m->env, "mail");
-    m->mail->busyCount++;
-    return true;
-}

@@ -3,15 +3,116 @@
  * @file facts.h
  * What the engine is told from outside, as facts: percepts, mail, events of the agent's life.
  */
-#ifndef MUSTER_MIND_FACTS_FACTS_H
-#define MUSTER_MIND_FACTS_FACTS_H
+#ifndef MUSTER_MIND_FACTS_H
+#define MUSTER_MIND_FACTS_H
 
-#include "mind/clips_mind.h"
+#include "core/sensors.h"
+#include "mind/engine/engine.h"
 
-/* fact.c */
+enum {
+    MESSAGES_STEPS = 50,         /* a message fact that is so old goes */
+    MESSAGES_MAX = 1024,         /* message facts; beyond, the oldest goes */
+    MAILBOX_MAX = 1024,          /* mail facts; beyond, mail is refused */
+    MAIL_RING_MAX = 1024,        /* mails for (getmsg) that have no mail fact */
+    MAIL_RING_BYTES = 256 << 10, /* of their contents, each with a zero at its end */
+    EVENTS_REFUSED_MAX = 64      /* facts of refused changes; beyond, the oldest goes */
+};
+
+/* A mail that stands as a message fact.  Indices into the pool; 0 is no entry. */
+struct message {
+    struct fact *fact;
+    SYMBOL_HN *from;
+    unsigned short first_type; /* the first field, for "a later mail of the same first word" */
+    void *first;
+    uint64_t id, step;
+    uint16_t older, newer, chain;
+};
+
+enum { MESSAGES_CHAINS = 256 };
+
+struct messages {
+    struct message at[MESSAGES_MAX + 1];
+    uint16_t chains[MESSAGES_CHAINS];
+    uint16_t oldest, newest, free;
+};
+
+/* A mail that has no fact, kept for (getmsg): a ring of entries, and one of their contents. */
+struct mail_ring_entry {
+    uint64_t id;
+    SYMBOL_HN *from;
+    uint32_t at, bytes; /* of its content */
+    bool clips;         /* the content is a list of fields */
+};
+
+struct mail_ring {
+    struct mail_ring_entry mails[MAIL_RING_MAX];
+    char bytes[MAIL_RING_BYTES];
+    uint32_t first, count;
+};
+
+/* The lists of a percept, and the facts of each: a plain list is one. */
+#define PERCEPT_ELEMENTS(id, senses, type, list, count, most, ...) type list[most];
+#define PERCEPT_FACTS(id, senses, type, list, count, most, ...) \
+    struct fact *list[_Generic((type *)0, float * : 1, default : (most))];
+struct percept_elements {
+    MU_CHANNELS(PERCEPT_ELEMENTS)
+};
+struct percept_facts {
+    MU_CHANNELS(PERCEPT_FACTS)
+};
+
+/* What belongs to one row of mu_channels. */
+struct percept_list {
+    void *elements;
+    struct fact **facts;
+    struct deftemplate *relation;
+};
+
+/* What a mind has been told. */
+struct mind_inputs {
+    uint64_t step;
+
+    /* percepts */
+    struct mu_percept percept;
+    struct percept_elements elements;
+    struct percept_facts list_facts;
+    struct percept_list lists[MU_CHANNEL_COUNT];
+    bool sensed;
+    uint32_t senses_named; /* enum mu_sense: by calls of their functions */
+    struct deftemplate *position;
+    struct fact *position_fact;
+    bool ring_unseen; /* no rule has a pattern of the ring's fact, and nobody has looked for it */
+    long long ring_number; /* that it would bear */
+
+    /* mail */
+    struct deftemplate *message, *mail;
+    struct messages *messages;
+    struct fact *mails[MAILBOX_MAX]; /* mail facts; rules may have retracted some */
+    size_t mail_count;
+    struct mail_ring *mail_ring;
+    bool rules_getmsg; /* a construct calls (getmsg) */
+    char *scratch;     /* MU_CONTENT_MAX + 1 bytes: a mail's content */
+
+    /* the agent's life */
+    struct deftemplate *event;
+    bool pending[MU_EVENTS]; /* become facts in the next step */
+    struct fact *events[MU_EVENTS];
+    struct fact *refused[EVENTS_REFUSED_MAX]; /* a ring */
+    size_t refused_next;
+};
+
+/* inputs.c */
+
+/** Takes memory while the process starts. */
+void facts_reserve(struct mind *m);
+
+/** Forgets all that another mind in this memory was told. */
+void facts_clear(struct mind *m);
 
 /** Builds the templates that C code knows.  @return whether CLIPS has taken them */
 bool facts_build(struct mind *m);
+
+/* fact.c */
 
 /** Takes the reference to a fact back, retracting it if it is still there. */
 void fact_retract(struct mind *m, struct fact **fact);
@@ -60,7 +161,7 @@ void percept_lose(struct mind *m, uint64_t time_ns);
 void percept_install(struct mind *m);
 
 /* messages.c */
-void messages_reserve(struct mind *m);
+struct messages *messages_reserve(void);
 void messages_install(struct mind *m);
 
 /** Makes a mail's content a message fact; what it tells again goes. */
@@ -80,7 +181,6 @@ void messages_forget(struct mind *m, uint64_t id);
 void messages_age(struct mind *m);
 
 /* mailbox.c */
-void mailbox_reserve(struct mind *m);
 void mailbox_install(struct mind *m);
 
 /** As mind_take_mail. */
@@ -94,7 +194,7 @@ void mailbox_getmsg(void *env, DATA_OBJECT *out);
 struct expr *mailbox_parse_getmsg(void *env, struct expr *top, const char *source);
 
 /* mail_ring.c */
-void mail_ring_reserve(struct mind *m);
+struct mail_ring *mail_ring_reserve(void);
 void mail_ring_install(struct mind *m);
 
 /**

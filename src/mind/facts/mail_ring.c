@@ -8,14 +8,14 @@
 
 #include <string.h>
 
-void mail_ring_reserve(struct mind *m)
+struct mail_ring *mail_ring_reserve(void)
 {
-    m->parked = mu_startup_alloc(sizeof *m->parked);
+    return mu_startup_alloc(sizeof(struct mail_ring));
 }
 
 void mail_ring_install(struct mind *m)
 {
-    m->parked->first = m->parked->count = 0;
+    m->inputs->mail_ring->first = m->inputs->mail_ring->count = 0;
 }
 
 static struct mail_ring_entry *parked_at(struct mail_ring *p, uint32_t index)
@@ -43,11 +43,11 @@ static bool parked_place(struct mail_ring *p, uint32_t bytes, uint32_t *at)
 
 mu_result mail_ring_put(struct mind *m, const struct mind_mail *mail, bool clips)
 {
-    struct mail_ring *p = m->parked;
+    struct mail_ring *p = m->inputs->mail_ring;
     uint32_t len = (uint32_t)strnlen(mail->content, MU_CONTENT_MAX);
     uint32_t at;
     while (!parked_place(p, len + 1, &at)) {
-        if (m->rules_getmsg) {
+        if (m->inputs->rules_getmsg) {
             return MU_FULL;
         }
         mail_ring_drop(m);
@@ -66,7 +66,7 @@ mu_result mail_ring_put(struct mind *m, const struct mind_mail *mail, bool clips
 
 const struct mail_ring_entry *mail_ring_first(const struct mind *m, const char **content)
 {
-    struct mail_ring *p = m->parked;
+    struct mail_ring *p = m->inputs->mail_ring;
     const struct mail_ring_entry *first = p->count > 0 ? parked_at(p, 0) : NULL;
     *content = first ? p->bytes + first->at : "";
     return first;
@@ -74,7 +74,7 @@ const struct mail_ring_entry *mail_ring_first(const struct mind *m, const char *
 
 void mail_ring_drop(struct mind *m)
 {
-    struct mail_ring *p = m->parked;
+    struct mail_ring *p = m->inputs->mail_ring;
     MU_ASSERT(p->count > 0);
     DecrementSymbolCount(m->env, p->mails[p->first].from);
     p->first = (p->first + 1) % MAIL_RING_MAX;

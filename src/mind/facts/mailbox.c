@@ -1,17 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Mail that comes in: from its content to fields, the queue of mail facts, (getmsg). */
-#include "mind/engine/value.h"
 #include "mind/facts/facts.h"
 
 #include <string.h>
 
 enum { MAIL_ID = 0, MAIL_FROM = 1, MAIL_CONTENT = 9, MAIL_LAYER = 10, MAIL_FIELDS_FEW = 16 };
-
-void mailbox_reserve(struct mind *m)
-{
-    messages_reserve(m);
-    mail_ring_reserve(m);
-}
 
 void mailbox_install(struct mind *m)
 {
@@ -21,8 +14,8 @@ void mailbox_install(struct mind *m)
 
 static void field_set(struct mind *m, struct field *to, struct clips_field f)
 {
-    memcpy(m->scratch, f.at, f.len);
-    m->scratch[f.len] = '\0';
+    memcpy(m->inputs->scratch, f.at, f.len);
+    m->inputs->scratch[f.len] = '\0';
     switch (f.kind) {
     case CLIPS_FIELD_INTEGER:
         to->type = INTEGER;
@@ -33,14 +26,14 @@ static void field_set(struct mind *m, struct field *to, struct clips_field f)
         to->value = EnvAddDouble(m->env, f.real);
         break;
     case CLIPS_FIELD_STRING:
-        clips_text_unescape(m->scratch, f.at, f.len);
+        clips_text_unescape(m->inputs->scratch, f.at, f.len);
         to->type = STRING;
-        to->value = EnvAddSymbol(m->env, m->scratch);
+        to->value = EnvAddSymbol(m->env, m->inputs->scratch);
         break;
     case CLIPS_FIELD_INSTANCE:
     case CLIPS_FIELD_SYMBOL:
         to->type = f.kind == CLIPS_FIELD_SYMBOL ? SYMBOL : INSTANCE_NAME;
-        to->value = EnvAddSymbol(m->env, m->scratch);
+        to->value = EnvAddSymbol(m->env, m->inputs->scratch);
         break;
     case CLIPS_FIELD_END:
     case CLIPS_FIELD_BAD: break;
@@ -88,8 +81,9 @@ static struct multifield *mail_raw(struct mind *m, const char *content)
  */
 static bool mail_is_looked_at(const struct mind *m)
 {
-    long others = m->mail->busyCount - 1;
-    for (const struct fact *f = m->mail->factList; f && others > 0; f = f->nextTemplateFact) {
+    long others = m->inputs->mail->busyCount - 1;
+    for (const struct fact *f = m->inputs->mail->factList; f && others > 0;
+         f = f->nextTemplateFact) {
         others--;
     }
     return others > 0;
@@ -98,18 +92,18 @@ static bool mail_is_looked_at(const struct mind *m)
 /* Forgets the facts that rules have taken, when it is time.  @return whether there is room */
 static bool mail_make_room(struct mind *m)
 {
-    if (m->mail_count < MAILBOX_MAX) {
+    if (m->inputs->mail_count < MAILBOX_MAX) {
         return true;
     }
-    m->mail_count = 0;
+    m->inputs->mail_count = 0;
     for (size_t i = 0; i < MAILBOX_MAX; i++) {
-        if (EnvFactExistp(m->env, m->mails[i])) {
-            m->mails[m->mail_count++] = m->mails[i];
+        if (EnvFactExistp(m->env, m->inputs->mails[i])) {
+            m->inputs->mails[m->inputs->mail_count++] = m->inputs->mails[i];
         } else {
-            EnvDecrementFactCount(m->env, m->mails[i]);
+            EnvDecrementFactCount(m->env, m->inputs->mails[i]);
         }
     }
-    return m->mail_count < MAILBOX_MAX;
+    return m->inputs->mail_count < MAILBOX_MAX;
 }
 
 static struct fact *mail_assert(struct mind *m, const struct mind_mail *mail,
@@ -118,7 +112,7 @@ static struct fact *mail_assert(struct mind *m, const struct mind_mail *mail,
     const char *const words[MAIL_CONTENT] = {
         NULL,           mail->src,        m->options.name,   mail->performative, mail->language,
         mail->ontology, mail->reply_with, mail->in_reply_to, mail->conversation};
-    struct fact *f = EnvCreateFact(m->env, m->mail);
+    struct fact *f = EnvCreateFact(m->env, m->inputs->mail);
     struct field *slots = f->theProposition.theFields;
     slots[MAIL_ID].type = INTEGER;
     slots[MAIL_ID].value = EnvAddLong(m->env, (long long)mail->id);
@@ -143,7 +137,7 @@ static mu_result mail_queue(struct mind *m, const struct mind_mail *mail,
                             struct multifield *content)
 {
     bool looked_at = mail_is_looked_at(m);
-    if (!looked_at && !m->mail->patternNetwork) {
+    if (!looked_at && !m->inputs->mail->patternNetwork) {
         return MU_ABSENT;
     }
     struct fact *f = mail_assert(m, mail, CopyMultifield(m->env, content));
@@ -159,7 +153,7 @@ static mu_result mail_queue(struct mind *m, const struct mind_mail *mail,
         return r;
     }
     EnvIncrementFactCount(m->env, f);
-    m->mails[m->mail_count++] = f;
+    m->inputs->mails[m->inputs->mail_count++] = f;
     return MU_OK;
 }
 
@@ -199,7 +193,7 @@ mu_result mailbox_take(struct mind *m, const struct mind_mail *mail)
 struct expr *mailbox_parse_getmsg(void *env, struct expr *top, const char *source)
 {
     struct mind *m = environment_mind(env);
-    m->rules_getmsg = m->rules_getmsg || ConstructData(env)->ParsingConstruct;
+    m->inputs->rules_getmsg = m->inputs->rules_getmsg || ConstructData(env)->ParsingConstruct;
     top = CollectArguments(env, top, source);
     if (top && top->argList) {
         ExpectedCountError(env, "getmsg", EXACTLY, 0);
@@ -250,7 +244,7 @@ void mailbox_getmsg(void *env, DATA_OBJECT *out)
 {
     struct mind *m = environment_mind(env);
     const char *content;
-    struct fact *f = EnvGetNextFactInTemplate(env, m->mail, NULL);
+    struct fact *f = EnvGetNextFactInTemplate(env, m->inputs->mail, NULL);
     const struct mail_ring_entry *parked = mail_ring_first(m, &content);
     bool fact_first = f && (!parked || mail_number(f) < parked->id);
     EnvSetMultifieldErrorValue(env, out);

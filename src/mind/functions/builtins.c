@@ -3,9 +3,6 @@
  * CLIPS functions that muster wraps: send takes names besides instances, and those that parse a
  * text check it first, because a deep nesting would end the stack in their parser.
  */
-#include "mind/engine/value.h"
-#include "mind/facts/facts.h"
-#include "mind/functions/send.h"
 #include "mind/functions/table.h"
 
 #include <stdio.h>

@@ -2,8 +2,6 @@
 /* Groups, the yellow pages, the white pages, and lines that are set aside, as rules see them. */
 #include "core/attributes.h"
 #include "core/name.h"
-#include "mind/engine/value.h"
-#include "mind/functions/send.h"
 #include "mind/functions/table.h"
 
 #include <string.h>

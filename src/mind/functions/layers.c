@@ -3,8 +3,6 @@
  * Handlers of layers, written in rules: deffunctions that see a mail before it becomes a fact. They
  * are known by name, so that a deffunction may be defined anew, or go.
  */
-#include "mind/engine/value.h"
-#include "mind/facts/facts.h"
 #include "mind/functions/table.h"
 
 #include <string.h>
@@ -24,21 +22,22 @@ mu_result layers_add(struct mind *m, uint32_t layer, const char *function)
         return MU_ABSENT;
     }
     SYMBOL_HN *name = EnvAddSymbol(m->env, function);
-    while (place < m->handler_count &&
-           (m->handlers[place].layer != layer || m->handlers[place].function != name)) {
+    while (place < m->output->handler_count && (m->output->handlers[place].layer != layer ||
+                                                m->output->handlers[place].function != name)) {
         place++;
     }
     if (place == LAYERS_HANDLERS_MAX) {
         return MU_FULL;
     }
-    if (place < m->handler_count) { /* it is there already, and becomes the youngest */
-        m->handler_count--;
-        memmove(&m->handlers[place], &m->handlers[place + 1],
-                (m->handler_count - place) * sizeof m->handlers[0]);
+    if (place < m->output->handler_count) { /* it is there already, and becomes the youngest */
+        m->output->handler_count--;
+        memmove(&m->output->handlers[place], &m->output->handlers[place + 1],
+                (m->output->handler_count - place) * sizeof m->output->handlers[0]);
     } else {
         IncrementSymbolCount(name);
     }
-    m->handlers[m->handler_count++] = (struct layers_handler){.layer = layer, .function = name};
+    m->output->handlers[m->output->handler_count++] =
+        (struct layers_handler){.layer = layer, .function = name};
     return MU_OK;
 }
 

@@ -4,15 +4,14 @@
  * rule.  Nothing changes here; the robot asks what was wished when the line or the step is over.
  */
 #include "core/name.h"
-#include "mind/engine/value.h"
 #include "mind/functions/table.h"
 
 #include <string.h>
 
 static void control_wish(struct mind *m, enum mind_wish wish, uint32_t rules)
 {
-    m->wish = wish;
-    m->wish_rules = rules;
+    m->output->wish = wish;
+    m->output->wish_rules = rules;
 }
 
 /* @return the number of rules that are asked for, or 0: it was none, and that is said */
@@ -97,13 +96,13 @@ bool lifecycle_stops(struct mind *m)
         return false;
     }
     const char *rule = ValueToString(control_next(m)->theRule->header.name);
-    if (m->passes && strcmp(m->stands, rule) == 0) {
-        m->passes = false;
-        m->stands[0] = '\0';
+    if (m->output->passes && strcmp(m->output->stands, rule) == 0) {
+        m->output->passes = false;
+        m->output->stands[0] = '\0';
         return false;
     }
-    mu_text_copy(m->stands, sizeof m->stands, rule);
-    m->passes = false;
+    mu_text_copy(m->output->stands, sizeof m->output->stands, rule);
+    m->output->passes = false;
     return true;
 }
 
@@ -127,9 +126,9 @@ static bool name_take(void *env, const char *function, int index, char name[MU_N
 static void travel_set(void *env, struct mind_travel w, DATA_OBJECT *out)
 {
     struct mind *m = environment_mind(env);
-    bool first = m->travel.kind == MIND_STAYS;
+    bool first = m->output->travel.kind == MIND_STAYS;
     if (first) {
-        m->travel = w;
+        m->output->travel = w;
     }
     clips_value_bool(env, out, first);
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Arithmetic of rules: degrees, geometry, random numbers, division that cannot end the process. */
-#include "mind/engine/value.h"
 #include "mind/functions/table.h"
 
 #include <limits.h>
@@ -142,7 +141,7 @@ void math_clamp(void *env, DATA_OBJECT *out)
 
 void math_now(void *env, DATA_OBJECT *out)
 {
-    clips_value_float(env, out, (double)environment_mind(env)->percept.time_ns * 1e-9);
+    clips_value_float(env, out, (double)environment_mind(env)->inputs->percept.time_ns * 1e-9);
 }
 
 void math_random(void *env, DATA_OBJECT *out)
@@ -163,7 +162,8 @@ void math_random(void *env, DATA_OBJECT *out)
         clips_value_refuse(env, "random", "a least number that is not above the greatest");
         return;
     }
-    clips_value_integer(env, out, mu_random_between(&environment_mind(env)->random, lo, hi));
+    clips_value_integer(env, out,
+                        mu_random_between(&environment_mind(env)->output->random, lo, hi));
 }
 
 void math_seed(void *env, DATA_OBJECT *out)
@@ -172,7 +172,7 @@ void math_seed(void *env, DATA_OBJECT *out)
     long long seed;
     clips_value_bool(env, out, false);
     if (clips_value_whole(env, "seed", 1, &seed)) {
-        mu_random_seed(&m->random, (uint64_t)seed, m->options.name);
+        mu_random_seed(&m->output->random, (uint64_t)seed, m->options.name);
         clips_value_bool(env, out, true);
     }
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* How rules drive the body. */
-#include "mind/engine/value.h"
 #include "mind/functions/table.h"
 
 #include <math.h>
@@ -33,6 +32,14 @@ static double physical_clamp(double x, double limit)
     return limit > 0 ? fmax(-limit, fmin(x, limit)) : x;
 }
 
+static void motion_drive(struct mind *m, double forward_m_s, double turn_rad_s)
+{
+    m->output->act.drives = true;
+    m->output->act.forward_m_s = forward_m_s;
+    m->output->act.turn_rad_s = turn_rad_s;
+    clips_diary_speed(m, forward_m_s, turn_rad_s);
+}
+
 void motion_set_speed(void *env, DATA_OBJECT *out)
 {
     struct mind *m = environment_mind(env);
@@ -46,26 +53,21 @@ void motion_set_speed(void *env, DATA_OBJECT *out)
                            "finite numbers: a speed in mm/s and a turn rate in deg/s");
         return;
     }
-    m->act.drives = true;
-    m->act.forward_m_s = physical_clamp(speed[0] / 1000, m->options.forward_max_m_s);
-    m->act.turn_rad_s = physical_clamp(speed[1] / VALUE_DEG, m->options.turn_max_rad_s);
-    clips_diary_speed(m);
+    motion_drive(m, physical_clamp(speed[0] / 1000, m->options.forward_max_m_s),
+                 physical_clamp(speed[1] / VALUE_DEG, m->options.turn_max_rad_s));
     clips_value_bool(env, out, true);
 }
 
 void motion_stop(void *env, DATA_OBJECT *out)
 {
     struct mind *m = environment_mind(env);
-    m->act.drives = true;
-    m->act.forward_m_s = 0;
-    m->act.turn_rad_s = 0;
-    clips_diary_speed(m);
+    motion_drive(m, 0, 0);
     clips_value_bool(env, out, true);
 }
 
 void motion_update_sensors(void *env, DATA_OBJECT *out)
 {
     struct mind *m = environment_mind(env);
-    m->sense_again = m->sense_again || m->firing;
+    m->output->sense_again = m->output->sense_again || m->firing;
     clips_value_bool(env, out, m->firing);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* (plan x y): a way over the map of what stands in the world. */
-#include "mind/engine/value.h"
 #include "mind/functions/table.h"
+#include "planner/planner.h"
 
 #include <math.h>
 
@@ -17,13 +17,13 @@ void path_plan(void *env, DATA_OBJECT *out)
 {
     static struct path path; /* large, and of use only until the fields are made */
     struct mind *m = environment_mind(env);
-    const struct mu_percept *p = &m->percept;
+    const struct mu_percept *p = &m->inputs->percept;
     double to_mm[2];
     clips_value_bool(env, out, false);
     if (!clips_value_numbers(env, "plan", 2, to_mm)) {
         return;
     }
-    if (!m->options.planner || !m->sensed || !isfinite(to_mm[0]) || !isfinite(to_mm[1])) {
+    if (!m->options.planner || !m->inputs->sensed || !isfinite(to_mm[0]) || !isfinite(to_mm[1])) {
         return;
     }
     double from_m[2] = {p->x_m, p->y_m};

@@ -7,8 +7,6 @@
  * of the pattern, then the values.  Letters: v a value to be equal to, ?
  * any field, $ any fields, ( a slot, whose name is the next value, and ) its end.
  */
-#include "mind/engine/value.h"
-#include "mind/facts/facts.h"
 #include "mind/functions/table.h"
 
 #include <string.h>

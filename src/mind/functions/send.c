@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Mail that rules send. */
-#include "mind/functions/send.h"
+#include "mind/functions/table.h"
 
 #include "core/name.h"
-#include "mind/engine/value.h"
-#include "mind/functions/table.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -162,7 +160,7 @@ static void send_letter(void *env, const char *function, struct mind_letter *let
                         const DATA_OBJECT *fields, DATA_OBJECT *out)
 {
     struct mu_text content;
-    mu_text_init(&content, environment_mind(env)->scratch, MU_CONTENT_MAX + 1);
+    mu_text_init(&content, environment_mind(env)->inputs->scratch, MU_CONTENT_MAX + 1);
     if (send_content(env, function, fields, &content)) {
         letter->content = content.at;
         send_hand(env, letter, out);
@@ -172,7 +170,7 @@ static void send_letter(void *env, const char *function, struct mind_letter *let
 const char *send_question(void *env, char *to, size_t size)
 {
     struct mind *m = environment_mind(env);
-    snprintf(to, size, "%s-%llu", m->options.name, (unsigned long long)++m->asked);
+    snprintf(to, size, "%s-%llu", m->options.name, (unsigned long long)++m->output->asked);
     return to;
 }
 
@@ -304,7 +302,7 @@ static bool reply_to_fact(const struct mind *m, const DATA_OBJECT *mail, struct 
 {
     enum { FROM = 1, ONTOLOGY = 5, REPLY_WITH = 6, CONVERSATION = 8, LAYER = 10 };
     const struct fact *f = mail->type == FACT_ADDRESS ? mail->value : NULL;
-    if (!f || f->whichDeftemplate != m->mail || !mu_name_valid(send_slot(f, FROM))) {
+    if (!f || f->whichDeftemplate != m->inputs->mail || !mu_name_valid(send_slot(f, FROM))) {
         return false;
     }
     const struct field *layer = &f->theProposition.theFields[LAYER];
@@ -321,7 +319,7 @@ static bool reply_to_fact(const struct mind *m, const DATA_OBJECT *mail, struct 
 static bool reply_to_handled(const struct mind *m, const DATA_OBJECT *mail,
                              struct mind_letter *letter)
 {
-    const struct mind_mail *handled = m->handled;
+    const struct mind_mail *handled = m->output->handled;
     if (!handled || mail->type != INTEGER ||
         (uint64_t)((const struct integerHashNode *)mail->value)->contents != handled->id) {
         return false;
@@ -394,7 +392,7 @@ void send_you_do(void *env, DATA_OBJECT *out)
         snprintf(group, sizeof group, "group:%s", letter.dst);
         letter.dst = group;
     }
-    mu_text_init(&line, m->scratch, MU_CONTENT_MAX);
+    mu_text_init(&line, m->inputs->scratch, MU_CONTENT_MAX);
     mu_text_add(&line, "(");
     if (!send_content(env, "you-do", &fields, &line)) {
         return;

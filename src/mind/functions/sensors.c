@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Sensors and gripper as functions. */
-#include "mind/engine/value.h"
-#include "mind/facts/facts.h"
 #include "mind/functions/table.h"
 
 #include <math.h>
@@ -11,34 +9,34 @@ void sensors_position(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
     double values[6];
-    if (!m->sensed) {
+    if (!m->inputs->sensed) {
         EnvSetMultifieldErrorValue(env, out);
         return;
     }
-    sensors_set_position(&m->percept, values);
+    sensors_set_position(&m->inputs->percept, values);
     struct multifield *fields = EnvCreateMultifield(env, 7);
     for (size_t i = 0; i < 6; i++) {
         clips_value_set_float(env, fields, i, values[i]);
     }
-    clips_value_set_symbol(env, fields, 6, m->percept.stalled ? "TRUE" : "FALSE");
+    clips_value_set_symbol(env, fields, 6, m->inputs->percept.stalled ? "TRUE" : "FALSE");
     clips_value_multifield(out, fields);
 }
 
 void sensors_stalled(void *env, DATA_OBJECT *out)
 {
-    clips_value_bool(env, out, environment_mind(env)->percept.stalled);
+    clips_value_bool(env, out, environment_mind(env)->inputs->percept.stalled);
 }
 
 void sensors_sonar(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
-    size_t count = m->percept.sonar_count;
+    size_t count = m->inputs->percept.sonar_count;
     double ranges_mm[MU_SONARS_MAX];
     long long index;
     clips_value_bool(env, out, false);
     if (EnvRtnArgCount(env) == 0) {
         for (size_t i = 0; i < count; i++) {
-            ranges_mm[i] = (double)m->percept.sonar_m[i] * 1000;
+            ranges_mm[i] = (double)m->inputs->percept.sonar_m[i] * 1000;
         }
         clips_value_floats(env, out, count, ranges_mm);
         return;
@@ -54,7 +52,7 @@ void sensors_sonar(void *env, DATA_OBJECT *out)
         clips_value_refuse(env, "sonar", "the index of a sonar that the body has, from 0");
         return;
     }
-    clips_value_float(env, out, (double)m->percept.sonar_m[index] * 1000);
+    clips_value_float(env, out, (double)m->inputs->percept.sonar_m[index] * 1000);
 }
 
 /* Takes the least of an argument, a number or several.  @return false: it holds something else */
@@ -127,7 +125,7 @@ void sensors_list(void *env, DATA_OBJECT *out)
     struct mind *m = environment_mind(env);
     const struct mu_channel *c = list_called(env);
     size_t count;
-    const char *elements = mu_channel_list(c, &m->percept, &count);
+    const char *elements = mu_channel_list(c, &m->inputs->percept, &count);
     int arguments = EnvRtnArgCount(env);
     long long from = 0, to = (long long)count - 1;
     clips_value_bool(env, out, false);
@@ -152,7 +150,7 @@ static void records_give(void *env, size_t number, const bool *picked, DATA_OBJE
     struct mind *m = environment_mind(env);
     const struct mu_channel *c = &mu_channels[number];
     size_t count, wanted = 0, at = 0;
-    const char *record = mu_channel_list(c, &m->percept, &count);
+    const char *record = mu_channel_list(c, &m->inputs->percept, &count);
     for (size_t i = 0; i < count; i++) {
         wanted += !picked || picked[i];
     }
@@ -168,7 +166,7 @@ static void records_give(void *env, size_t number, const bool *picked, DATA_OBJE
 
 void sensors_camera(void *env, DATA_OBJECT *out)
 {
-    const struct mu_percept *p = &environment_mind(env)->percept;
+    const struct mu_percept *p = &environment_mind(env)->inputs->percept;
     const char *color = NULL;
     bool picked[MU_BLOBS_MAX];
     EnvSetMultifieldErrorValue(env, out);
@@ -190,8 +188,8 @@ void sensors_fiducials(void *env, DATA_OBJECT *out)
 void sensors_gps(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
-    const struct mu_percept *p = &m->percept;
-    if (!m->sensed) {
+    const struct mu_percept *p = &m->inputs->percept;
+    if (!m->inputs->sensed) {
         EnvSetMultifieldErrorValue(env, out);
         return;
     }
@@ -202,8 +200,8 @@ void sensors_gps(void *env, DATA_OBJECT *out)
 void sensors_odometer(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
-    const struct mu_percept *p = &m->percept;
-    if (!m->sensed) {
+    const struct mu_percept *p = &m->inputs->percept;
+    if (!m->inputs->sensed) {
         EnvSetMultifieldErrorValue(env, out);
         return;
     }
@@ -214,7 +212,7 @@ void sensors_odometer(void *env, DATA_OBJECT *out)
 
 void sensors_bumpers(void *env, DATA_OBJECT *out)
 {
-    uint32_t touched = environment_mind(env)->percept.bumpers;
+    uint32_t touched = environment_mind(env)->inputs->percept.bumpers;
     double directions_deg[32];
     size_t count = 0;
     for (unsigned k = 0; k < 8; k++) {
@@ -229,8 +227,8 @@ void sensors_battery(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
     clips_value_bool(env, out, false);
-    if (m->sensed && m->percept.battery_share >= 0) {
-        clips_value_float(env, out, m->percept.battery_share);
+    if (m->inputs->sensed && m->inputs->percept.battery_share >= 0) {
+        clips_value_float(env, out, m->inputs->percept.battery_share);
     }
 }
 
@@ -264,7 +262,7 @@ void sensors_gripper(void *env, DATA_OBJECT *out)
     struct mind *m = environment_mind(env);
     const char *word;
     if (EnvRtnArgCount(env) == 0) {
-        gripper_state(env, m->percept.gripper, out);
+        gripper_state(env, m->inputs->percept.gripper, out);
         return;
     }
     clips_value_bool(env, out, false);
@@ -273,9 +271,9 @@ void sensors_gripper(void *env, DATA_OBJECT *out)
     }
     for (size_t i = 0; i < sizeof orders / sizeof orders[0]; i++) {
         if (strcmp(word, orders[i].word) == 0) {
-            m->act.paddles = orders[i].paddles ? orders[i].paddles : m->act.paddles;
-            m->act.lift = orders[i].lift ? orders[i].lift : m->act.lift;
-            clips_value_bool(env, out, m->percept.gripper & MU_GRIPPER_THERE);
+            m->output->act.paddles = orders[i].paddles ? orders[i].paddles : m->output->act.paddles;
+            m->output->act.lift = orders[i].lift ? orders[i].lift : m->output->act.lift;
+            clips_value_bool(env, out, m->inputs->percept.gripper & MU_GRIPPER_THERE);
             return;
         }
     }

@@ -1,13 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "mind/functions/table.h"
 
-#include "mind/facts/facts.h"
-
-#include <stdio.h>
-
 struct function_row {
     const char *name;
-    int code;
+    int code; /* of its return type */
     void (*call)(void *env, DATA_OBJECT *out);
     const char *arguments;
     const char *usage, *text;
@@ -72,7 +68,7 @@ static const char *const function_speech[] = {
 static struct expr *speech_parse(void *env, struct expr *top, const char *source)
 {
     struct mind *m = environment_mind(env);
-    m->rules_speak = m->rules_speak || ConstructData(env)->ParsingConstruct;
+    m->output->rules_speak = m->output->rules_speak || ConstructData(env)->ParsingConstruct;
     return function_parse(env, top, source);
 }
 
@@ -119,24 +115,24 @@ void functions_install(struct mind *m)
 }
 
 /* Inside a table a bar would end the cell. */
-static void function_print_cell(const char *text)
+static void function_add_cell(struct mu_text *out, const char *text)
 {
     for (; *text; text++) {
-        fputs(*text == '|' ? "\\|" : (char[]){*text, '\0'}, stdout);
+        mu_text_add(out, *text == '|' ? "\\|" : (char[]){*text, '\0'});
     }
 }
 
-void mind_print_functions(void)
+void functions_page(struct mu_text *out)
 {
     for (size_t g = 0; g < FUNCTION_GROUPS; g++) {
-        printf("%s## %s\n\n| Call | What it does and returns |\n| --- | --- |\n", g ? "\n" : "",
-               function_groups[g].title);
+        mu_text_format(out, "%s## %s\n\n| Call | What it does and returns |\n| --- | --- |\n",
+                       g ? "\n" : "", function_groups[g].title);
         for (size_t i = 0; i < function_groups[g].count; i++) {
-            fputs("| `", stdout);
-            function_print_cell(function_groups[g].rows[i].usage);
-            fputs("` | ", stdout);
-            function_print_cell(function_groups[g].rows[i].text);
-            fputs(" |\n", stdout);
+            mu_text_add(out, "| `");
+            function_add_cell(out, function_groups[g].rows[i].usage);
+            mu_text_add(out, "` | ");
+            function_add_cell(out, function_groups[g].rows[i].text);
+            mu_text_add(out, " |\n");
         }
     }
 }

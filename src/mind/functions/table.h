@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
- * @file clips_functions.h
+ * @file table.h
  * The one table of functions that rules may call.
  *
  * X(name, code, function, arguments, usage, text): code is the CLIPS return type ('u' any,
  * 'm' multifield), arguments a CLIPS restriction string: least, most (or *), then types (n number,
  * i whole number, k symbol or string, u any).
  */
-#ifndef MUSTER_AGENT_CLIPS_FUNCTIONS_H
-#define MUSTER_AGENT_CLIPS_FUNCTIONS_H
+#ifndef MUSTER_MIND_TABLE_H
+#define MUSTER_MIND_TABLE_H
 
-#include "mind/clips_mind.h"
+#include "mind/functions/functions.h"
 
 /* clang-format off */
 #define FUNCTIONS_PHYSICAL(X) \
@@ -299,5 +299,34 @@ FUNCTIONS_PHYSICAL(X)
 FUNCTIONS_AGENT(X)
 FUNCTIONS_EXTENSIONS(X)
 #undef X
+
+/* query.c */
+struct expr *query_parse(void *env, struct expr *top, const char *source);
+
+/* send.c */
+
+/* A letter in which nothing is said. */
+extern const struct mind_letter send_blank;
+
+/** Evaluates the arguments from first on, as one multifield.  @return false, after a CLIPS error */
+bool send_fields(void *env, const char *function, int first, DATA_OBJECT *fields);
+
+/**
+ * Reads an argument that says for whom a mail is: a name, an address, or a multifield of names.
+ *
+ * @param wanted  what a CLIPS error is to say
+ * @return the address, until the next call; NULL, after a CLIPS error
+ */
+const char *send_address(void *env, const char *function, int index, const char *wanted);
+
+/** Writes a word for a question that this agent has not used yet.  @return to */
+const char *send_question(void *env, char *to, size_t size);
+
+/** Hands a letter over: FALSE when there is no room, else TRUE or the word that the answer bears.
+ */
+void send_hand(void *env, const struct mind_letter *letter, DATA_OBJECT *out);
+
+/** (send WHO field...) to an agent; the instance case is taken before. */
+void send_agent(void *env, DATA_OBJECT *out);
 
 #endif

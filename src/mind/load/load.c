@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rule files: one form after the other, (extends "FILE"), and mistakes with file and line. */
-#include "mind/clips_mind.h"
+#include "mind/load/load.h"
 #include "muster/memory.h"
 
 #include <errno.h>
@@ -18,22 +18,24 @@ static void load_note_error(void *env, const char *file, const char *warning, co
     (void)file;
     (void)warning;
     struct mind *m = environment_mind(env);
-    if (error && m->error_line == 0) {
-        m->error_line = line;
+    if (error && m->loader->error_line == 0) {
+        m->loader->error_line = line;
     }
 }
 
 void load_install(struct mind *m)
 {
+    m->loader->text_used = m->loader->files_deep = 0;
     EnvSetParserErrorCallback(m->env, load_note_error);
     clips_place_install(m);
 }
 
 void load_reserve(struct mind *m)
 {
-    m->text = mu_startup_alloc(LOAD_TEXT_MAX);
+    m->loader = mu_startup_alloc(sizeof *m->loader);
+    m->loader->text = mu_startup_alloc(LOAD_TEXT_MAX);
     clips_place_reserve(m);
-    m->form = mu_startup_alloc(LOAD_FILE_MAX);
+    m->loader->form = mu_startup_alloc(LOAD_FILE_MAX);
 }
 
 /* Reads a file onto the stack of texts. */
@@ -44,8 +46,8 @@ static mu_result load_read(struct mind *m, const char *path, const char **text,
     if (!f) {
         return mu_fault_at(fault, path, 0, 0, "cannot be opened: %s", strerror(errno));
     }
-    char *to = m->text + m->text_used;
-    size_t room = LOAD_TEXT_MAX - m->text_used;
+    char *to = m->loader->text + m->loader->text_used;
+    size_t room = LOAD_TEXT_MAX - m->loader->text_used;
     size_t len = fread(to, 1, room, f);
     bool failed = ferror(f);
     fclose(f);
@@ -59,7 +61,7 @@ static mu_result load_read(struct mind *m, const char *path, const char **text,
     if (strlen(to) != len) {
         return mu_fault_at(fault, path, 0, 0, "is no text: it holds a zero byte");
     }
-    m->text_used += len + 1;
+    m->loader->text_used += len + 1;
     *text = to;
     return MU_OK;
 }
@@ -89,12 +91,12 @@ mu_result load_construct(struct mind *m, const char *path, struct clips_form f,
                          struct mu_fault *fault)
 {
     struct mu_text form;
-    mu_text_init(&form, m->form, LOAD_FILE_MAX);
+    mu_text_init(&form, m->loader->form, LOAD_FILE_MAX);
     clips_text_rewrite(&form, f.at, f.len);
     if (form.cut) {
         return mu_fault_at(fault, path, f.line, 0, "this form is too long");
     }
-    m->error_line = 0;
+    m->loader->error_line = 0;
     environment_enter(m, CLIPS_MODE_QUIET);
     budget_start(m, 0);
     OpenTextSource(m->env, "mu-load", form.at, 0, form.len);
@@ -105,7 +107,7 @@ mu_result load_construct(struct mind *m, const char *path, struct clips_form f,
     if (environment_leave(m) || loaded != 1) {
         char said[MU_FAULT_TEXT_MAX + 1];
         load_said(m, said, sizeof said);
-        int line = f.line + (m->error_line > 1 ? (int)m->error_line - 1 : 0);
+        int line = f.line + (m->loader->error_line > 1 ? (int)m->loader->error_line - 1 : 0);
         return mu_fault_at(fault, path, line, 0, "%s",
                            said[0] ? said : "CLIPS does not accept this form");
     }
@@ -191,8 +193,8 @@ static bool load_is_open(const struct mind *m, const char *path)
     if (!realpath(path, real)) {
         return false;
     }
-    for (size_t i = 0; i < m->files_deep; i++) {
-        if (realpath(m->files[i], other) && strcmp(real, other) == 0) {
+    for (size_t i = 0; i < m->loader->files_deep; i++) {
+        if (realpath(m->loader->files[i], other) && strcmp(real, other) == 0) {
             return true;
         }
     }
@@ -215,7 +217,7 @@ static mu_result load_extends(struct mind *m, const char *from, int line, const 
         return mu_fault_at(fault, from, line, 0, "extends \"%s\": the files extend each other",
                            name);
     }
-    if (m->files_deep == LOAD_DEEP_MAX) {
+    if (m->loader->files_deep == LOAD_DEEP_MAX) {
         return mu_fault_at(fault, from, line, 0, "extends \"%s\": more than %d files deep", name,
                            LOAD_DEEP_MAX);
     }
@@ -279,7 +281,7 @@ mu_result load_text(struct mind *m, const char *path, const char *at, struct mu_
 {
     int line = 1;
     mu_result r = MU_OK;
-    m->files[m->files_deep++] = path;
+    m->loader->files[m->loader->files_deep++] = path;
     while (r == MU_OK) {
         struct clips_form f = clips_text_form(&at, &line);
         if (f.kind == CLIPS_FORM_END) {
@@ -287,17 +289,17 @@ mu_result load_text(struct mind *m, const char *path, const char *at, struct mu_
         }
         r = load_form(m, path, f, fault);
     }
-    m->files_deep--;
+    m->loader->files_deep--;
     return r;
 }
 
 mu_result load_file(struct mind *m, const char *path, struct mu_fault *fault)
 {
     const char *at;
-    size_t used = m->text_used;
+    size_t used = m->loader->text_used;
     mu_result r = load_read(m, path, &at, fault);
     r = r == MU_OK ? load_text(m, path, at, fault) : r;
-    m->text_used = used;
+    m->loader->text_used = used;
     return r;
 }
 

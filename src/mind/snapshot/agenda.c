@@ -5,8 +5,7 @@
  * the same in both, and what is not in the list is taken off.
  */
 #include "core/hash.h"
-#include "mind/engine/value.h"
-#include "mind/snapshot/snapshot.h"
+#include "mind/snapshot/fields.h"
 
 #include <string.h>
 

@@ -3,8 +3,7 @@
  * Globals and facts in a capsule.  Facts keep their indices and their order, which need not be that
  * of the indices: see percept_show.
  */
-#include "mind/facts/facts.h"
-#include "mind/snapshot/snapshot.h"
+#include "mind/snapshot/fields.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The fields of a capsule: every value of CLIPS, exact to the last bit. */
-#include "mind/snapshot/snapshot.h"
+#include "mind/snapshot/fields.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A mind as text: what a capsule begins with, its rules and its switches. */
-#include "mind/snapshot/snapshot.h"
+#include "mind/snapshot/fields.h"
 
 #include "core/hash.h"
 
@@ -262,7 +262,7 @@ mu_result snapshot_check(const char *text, size_t len, struct mu_fault *fault)
 }
 
 /* A fresh mind has facts of its own beginning; the capsule has all that there are to be. */
-static void facts_clear(struct mind *m)
+static void facts_drop(struct mind *m)
 {
     EnvReset(m->env); /* for CLIPS's own instance */
     for (struct fact *f; (f = EnvGetNextFact(m->env, NULL));) {
@@ -277,7 +277,7 @@ static mu_result body_load(struct snapshot *c, char name[MU_NAME_MAX + 1])
         !mu_text_copy(name, MU_NAME_MAX + 1, c->word) || !snapshot_end(c)) {
         return snapshot_wrong(c, "whose mind it is");
     }
-    facts_clear(m);
+    facts_drop(m);
     MU_TRY(switches_load(c));
     MU_TRY(rules_load(c));
     environment_enter(m, CLIPS_MODE_QUIET);

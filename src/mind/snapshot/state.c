@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What C code keeps of a mind: percept, mail, handlers, events, random numbers. */
-#include "mind/facts/facts.h"
-#include "mind/snapshot/snapshot.h"
+#include "mind/snapshot/fields.h"
 
 #include <string.h>
 
@@ -112,7 +111,7 @@ static bool field_load(struct snapshot *c, const struct mu_field *f, char *eleme
 static void list_save(struct mind *m, struct mu_text *out, const struct mu_channel *c)
 {
     size_t count;
-    const char *element = mu_channel_list(c, &m->percept, &count);
+    const char *element = mu_channel_list(c, &m->inputs->percept, &count);
     if (c->plain) {
         floats_save(out, c->fact, (const float *)(const void *)element, count);
         return;
@@ -147,20 +146,20 @@ static bool lists_load(struct snapshot *c)
     bool good = true;
     for (size_t i = 0; i < MU_CHANNEL_COUNT && good; i++) {
         const struct mu_channel *channel = &mu_channels[i];
-        void *elements = c->mind->lists[i].elements;
+        void *elements = c->mind->inputs->lists[i].elements;
         size_t count = 0;
         good = channel->plain ? floats_load(c, channel->fact, elements, &count, channel->most)
                               : records_load(c, channel, elements, &count);
-        mu_channel_set(channel, &c->mind->percept, elements, count);
+        mu_channel_set(channel, &c->mind->inputs->percept, elements, count);
     }
     return good;
 }
 
 static void percept_save(struct mind *m, struct mu_text *out)
 {
-    const struct mu_percept *p = &m->percept;
-    mu_text_format(out, "percept %d %llu %d %u %u", m->sensed, (unsigned long long)p->time_ns,
-                   p->stalled, p->bumpers, p->gripper);
+    const struct mu_percept *p = &m->inputs->percept;
+    mu_text_format(out, "percept %d %llu %d %u %u", m->inputs->sensed,
+                   (unsigned long long)p->time_ns, p->stalled, p->bumpers, p->gripper);
     for (size_t i = 0; i < MU_READING_COUNT; i++) {
         if (mu_readings[i].type == MU_FIELD_double) {
             field_save(out, &mu_readings[i], (const char *)p);
@@ -170,10 +169,10 @@ static void percept_save(struct mind *m, struct mu_text *out)
     for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
         list_save(m, out, &mu_channels[i]);
     }
-    mu_text_format(out, "percept-facts %d %lld", m->ring_unseen, m->ring_number);
-    facts_save(m, out, &m->position_fact, 1);
+    mu_text_format(out, "percept-facts %d %lld", m->inputs->ring_unseen, m->inputs->ring_number);
+    facts_save(m, out, &m->inputs->position_fact, 1);
     for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
-        facts_save(m, out, m->lists[i].facts, percept_fact_count(m, i));
+        facts_save(m, out, m->inputs->lists[i].facts, percept_fact_count(m, i));
     }
     mu_text_add(out, "\n");
 }
@@ -192,12 +191,12 @@ static bool percept_line_load(struct snapshot *c)
     if (!good || !snapshot_end(c)) {
         return false;
     }
-    c->mind->sensed = n[0] != 0;
+    c->mind->inputs->sensed = n[0] != 0;
     p.time_ns = n[1];
     p.stalled = n[2] != 0;
     p.bumpers = (uint32_t)n[3];
     p.gripper = (uint32_t)n[4];
-    c->mind->percept = p;
+    c->mind->inputs->percept = p;
     return true;
 }
 
@@ -206,13 +205,13 @@ static bool percept_load(struct snapshot *c)
     struct mind *m = c->mind;
     uint64_t unseen;
     if (!percept_line_load(c) || !lists_load(c) || !snapshot_line(c, "percept-facts") ||
-        !snapshot_count(c, &unseen) || !snapshot_whole(c, &m->ring_number)) {
+        !snapshot_count(c, &unseen) || !snapshot_whole(c, &m->inputs->ring_number)) {
         return false;
     }
-    m->ring_unseen = unseen != 0;
-    bool good = fact_load(c, &m->position_fact);
+    m->inputs->ring_unseen = unseen != 0;
+    bool good = fact_load(c, &m->inputs->position_fact);
     for (size_t i = 0; i < MU_CHANNEL_COUNT && good && snapshot_more(c); i++) {
-        good = facts_load(c, m->lists[i].facts, percept_fact_count(m, i));
+        good = facts_load(c, m->inputs->lists[i].facts, percept_fact_count(m, i));
     }
     return good && snapshot_end(c);
 }
@@ -221,7 +220,7 @@ static bool percept_load(struct snapshot *c)
 
 static void mail_save(struct mind *m, struct mu_text *out)
 {
-    const struct messages *all = m->messages;
+    const struct messages *all = m->inputs->messages;
     for (uint16_t i = all->oldest; i; i = all->at[i].newer) {
         const struct message *e = &all->at[i];
         mu_text_format(out, "message %lld %llu %llu", snapshot_index(m, e->fact),
@@ -232,12 +231,12 @@ static void mail_save(struct mind *m, struct mu_text *out)
         }
         mu_text_add(out, "\n");
     }
-    for (size_t i = 0; i < m->mail_count; i++) {
-        if (EnvFactExistp(m->env, m->mails[i])) {
-            mu_text_format(out, "mail %lld\n", m->mails[i]->factIndex);
+    for (size_t i = 0; i < m->inputs->mail_count; i++) {
+        if (EnvFactExistp(m->env, m->inputs->mails[i])) {
+            mu_text_format(out, "mail %lld\n", m->inputs->mails[i]->factIndex);
         }
     }
-    const struct mail_ring *p = m->parked;
+    const struct mail_ring *p = m->inputs->mail_ring;
     for (uint32_t i = 0; i < p->count; i++) {
         const struct mail_ring_entry *mail = &p->mails[(p->first + i) % MAIL_RING_MAX];
         mu_text_format(out, "parked %llu %d", (unsigned long long)mail->id, mail->clips);
@@ -270,10 +269,10 @@ static bool mail_fact_load(struct snapshot *c)
 {
     struct mind *m = c->mind;
     struct fact *f;
-    if (m->mail_count == MAILBOX_MAX || !fact_load(c, &f) || !f) {
+    if (m->inputs->mail_count == MAILBOX_MAX || !fact_load(c, &f) || !f) {
         return false;
     }
-    m->mails[m->mail_count++] = f;
+    m->inputs->mails[m->inputs->mail_count++] = f;
     return snapshot_end(c);
 }
 
@@ -312,15 +311,15 @@ static void life_save(struct mind *m, struct mu_text *out)
 {
     mu_text_add(out, "events");
     for (size_t i = 0; i < MU_EVENTS; i++) {
-        mu_text_format(out, " %d", m->pending[i]);
+        mu_text_format(out, " %d", m->inputs->pending[i]);
     }
-    facts_save(m, out, m->events, MU_EVENTS);
-    mu_text_format(out, "\nrefused %zu", m->refused_next);
-    facts_save(m, out, m->refused, EVENTS_REFUSED_MAX);
+    facts_save(m, out, m->inputs->events, MU_EVENTS);
+    mu_text_format(out, "\nrefused %zu", m->inputs->refused_next);
+    facts_save(m, out, m->inputs->refused, EVENTS_REFUSED_MAX);
     mu_text_add(out, "\n");
-    for (size_t i = 0; i < m->handler_count; i++) {
-        mu_text_format(out, "handler %u", m->handlers[i].layer);
-        snapshot_add_word(out, ValueToString(m->handlers[i].function));
+    for (size_t i = 0; i < m->output->handler_count; i++) {
+        mu_text_format(out, "handler %u", m->output->handlers[i].layer);
+        snapshot_add_word(out, ValueToString(m->output->handlers[i].function));
         mu_text_add(out, "\n");
     }
 }
@@ -339,12 +338,12 @@ static bool life_load(struct snapshot *c)
     bool good = snapshot_line(c, "events");
     for (size_t i = 0; i < MU_EVENTS && good; i++) {
         good = snapshot_count(c, &number);
-        m->pending[i] = good && number != 0;
+        m->inputs->pending[i] = good && number != 0;
     }
-    good = good && facts_load(c, m->events, MU_EVENTS) && snapshot_end(c) &&
+    good = good && facts_load(c, m->inputs->events, MU_EVENTS) && snapshot_end(c) &&
            snapshot_line(c, "refused") && snapshot_count(c, &number);
-    m->refused_next = good ? number % EVENTS_REFUSED_MAX : 0;
-    good = good && facts_load(c, m->refused, EVENTS_REFUSED_MAX) && snapshot_end(c);
+    m->inputs->refused_next = good ? number % EVENTS_REFUSED_MAX : 0;
+    good = good && facts_load(c, m->inputs->refused, EVENTS_REFUSED_MAX) && snapshot_end(c);
     while (good && snapshot_line(c, "handler")) {
         good = handler_load(c);
     }
@@ -355,9 +354,11 @@ enum { STATE_NUMBERS = 7 };
 
 void snapshot_save_state(struct mind *m, struct mu_text *out)
 {
-    mu_text_format(out, "mind %llu %llu %llu %u %d %d %u\n", (unsigned long long)m->random.state,
-                   (unsigned long long)m->asked, (unsigned long long)m->step, m->senses_named,
-                   m->rules_getmsg, (int)m->wish, m->wish_rules);
+    mu_text_format(out, "mind %llu %llu %llu %u %d %d %u\n",
+                   (unsigned long long)m->output->random.state,
+                   (unsigned long long)m->output->asked, (unsigned long long)m->inputs->step,
+                   m->inputs->senses_named, m->inputs->rules_getmsg, (int)m->output->wish,
+                   m->output->wish_rules);
     percept_save(m, out);
     mail_save(m, out);
     life_save(m, out);
@@ -372,13 +373,13 @@ mu_result snapshot_load_state(struct snapshot *c)
     if (!counts_load(c, "mind", n, STATE_NUMBERS) || n[5] > MIND_WISH_SUSPEND) {
         return snapshot_wrong(c, "the numbers of the mind");
     }
-    m->random.state = n[0];
-    m->asked = n[1];
-    m->step = n[2];
-    m->senses_named |= (uint32_t)n[3];
-    m->rules_getmsg = m->rules_getmsg || n[4] != 0;
-    m->wish = (enum mind_wish)n[5];
-    m->wish_rules = (uint32_t)n[6];
+    m->output->random.state = n[0];
+    m->output->asked = n[1];
+    m->inputs->step = n[2];
+    m->inputs->senses_named |= (uint32_t)n[3];
+    m->inputs->rules_getmsg = m->inputs->rules_getmsg || n[4] != 0;
+    m->output->wish = (enum mind_wish)n[5];
+    m->output->wish_rules = (uint32_t)n[6];
     if (!percept_load(c)) {
         return snapshot_wrong(c, "what the mind has sensed");
     }

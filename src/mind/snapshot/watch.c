@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a person has said at a console: where the rules are to stop, and what is watched. */
-#include "mind/snapshot/snapshot.h"
+#include "mind/snapshot/fields.h"
 
 #include <string.h>
 
@@ -60,8 +60,8 @@ void snapshot_save_watch(struct mind *m, struct mu_text *out)
     for (size_t i = 0; i < ITEMS; i++) {
         mu_text_format(out, " %d", is_watched(m, items[i]));
     }
-    mu_text_format(out, " %d", m->passes);
-    snapshot_add_word(out, m->stands);
+    mu_text_format(out, " %d", m->output->passes);
+    snapshot_add_word(out, m->output->stands);
     mu_text_add(out, "\n");
     environment_each_module(m, out, module_save);
 }
@@ -129,8 +129,8 @@ static bool items_load(struct snapshot *c)
         }
     }
     bool good = snapshot_count(c, &on) && snapshot_word(c) &&
-                mu_text_copy(c->mind->stands, sizeof c->mind->stands, c->word);
-    c->mind->passes = on != 0;
+                mu_text_copy(c->mind->output->stands, sizeof c->mind->output->stands, c->word);
+    c->mind->output->passes = on != 0;
     return good && snapshot_end(c);
 }
 

@@ -5,7 +5,8 @@
  */
 #include "core/log.h"
 #include "host/host.h"
-#include "mind/clips_mind.h"
+#include "mind/engine/engine.h"
+#include "mind/mind.h"
 #include "runtime/process.h"
 #include "runtime/trips.h"
 #include "samples.h"

@@ -6,9 +6,11 @@
 #include "suite.h"
 
 #include <CUnit/Basic.h>
+#include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 enum { ROUNDS = 20, MATCHES_EVERY = 5, GROWTH_KIB_MAX = 8 << 10, HELD_KIB_LEAST = 16 << 10 };
@@ -175,6 +177,23 @@ static int stuck(void *self, unsigned ms)
     return ms < 500 ? MIND_WAITS : MIND_BREAKS;
 }
 
+static void look(int number)
+{
+    (void)number;
+    char bytes[320];
+    struct mu_text why;
+    mu_text_init(&why, bytes, sizeof bytes);
+    (void)mind_look(250, &why);
+}
+
+static void look_from_now_on(void)
+{
+    const struct itimerval every = {.it_interval.tv_usec = 250000, .it_value.tv_usec = 250000};
+    const struct sigaction action = {.sa_handler = look, .sa_flags = SA_RESTART | SA_NODEFER};
+    CU_ASSERT_EQUAL(sigaction(SIGPROF, &action, NULL), 0);
+    CU_ASSERT_EQUAL(setitimer(ITIMER_PROF, &every, NULL), 0);
+}
+
 static void test_what_does_not_come_back_is_left(void)
 {
     char bytes[4096];
@@ -183,7 +202,7 @@ static void test_what_does_not_come_back_is_left(void)
     const struct mind_options watched = {.name = "red", .seed = 1, .ports.stuck = stuck};
     mu_text_init(&out, bytes, sizeof bytes);
     CU_ASSERT_EQUAL_FATAL(mind_open(&mind, &watched, &fault), MU_OK);
-    mind_watchdog();
+    look_from_now_on();
     CU_ASSERT_EQUAL(say("(loop-for-count 300000 (+ 1 1))"), MU_OK);
     CU_ASSERT_EQUAL(stuck_ms, 0);
     CU_ASSERT_EQUAL(mind_line(mind, compares, &out), MU_MALFORMED);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The text that minds are fed, damaged: the readers of clips_text.c end, and stay inside it. */
 #include "garble.h"
-#include "mind/engine/syntax.h"
+#include "mind/syntax/syntax.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>

@@ -3,7 +3,8 @@
  * Memory may be refused at any moment of any call: the call returns, the mind says that it is
  * broken, and another one lives in its place.
  */
-#include "mind/clips_mind.h"
+#include "mind/engine/engine.h"
+#include "mind/mind.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "mind/engine/syntax.h"
+#include "mind/syntax/syntax.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>

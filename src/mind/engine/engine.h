@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
- * @file clips_mind.h
- * What the CLIPS files of the agent share.  No other file includes this one or clips.h.
+ * @file engine.h
+ * CLIPS as the engine of a mind: its environment, its memory, what stops it, what it prints; and
+ * its values, which the functions that rules call take and give.
  */
-#ifndef MUSTER_AGENT_CLIPS_MIND_H
-#define MUSTER_AGENT_CLIPS_MIND_H
+#ifndef MUSTER_MIND_ENGINE_H
+#define MUSTER_MIND_ENGINE_H
 
-#include "core/random.h"
-#include "core/sensors.h"
+#include "core/fault.h"
+#include "core/text.h"
 #include "mind/engine/port.h"
-#include "mind/engine/syntax.h"
-#include "mind/mind.h"
-#include "muster/limits.h"
+#include "mind/interface/interface.h"
+#include "mind/syntax/syntax.h"
 
 #include <clips.h>
 #include <limits.h>
@@ -27,63 +27,16 @@ enum {
     CLIPS_MEMORY_SPARE = 8 << 20,   /* more of them for a line, so that a person can tidy up */
     CLIPS_PRINT_MAX = 64 * 1024,    /* bytes that one step may print */
     CLIPS_LINE_MAX = 16384,         /* bytes of a console line */
-    LOAD_FILE_MAX = 1 << 20,        /* bytes of a rule file */
-    LOAD_DEEP_MAX = 16,             /* files that extend each other */
     CLIPS_SAID_MAX = 2048,          /* bytes kept of an error */
     STEP_FIRED_MAX = 8192,          /* bytes of names of the rules fired in a step */
-    MESSAGES_STEPS = 50,            /* a message fact that is so old goes */
-    MESSAGES_MAX = 1024,            /* message facts; beyond, the oldest goes */
-    MAILBOX_MAX = 1024,             /* mail facts; beyond, mail is refused */
-    MAIL_RING_MAX = 1024,           /* mails for (getmsg) that have no mail fact */
-    MAIL_RING_BYTES = 256 << 10,    /* of their contents, each with a zero at its end */
     CLIPS_SHOWN_MAX = 64,           /* different errors of rules that were shown */
-    LAYERS_HANDLERS_MAX = 32,       /* handlers of layers, in all of them together */
     CLIPS_DIARY_MAX = 16384,        /* bytes of what went on in a step, for recordings */
     CLIPS_DIARY_AGENDA = 32,        /* activations in it */
     CLIPS_DIARY_LINE = 1024,        /* bytes of a person's line in it */
-    EVENTS_REFUSED_MAX = 64         /* facts of refused changes; beyond, the oldest goes */
 };
 
 /* Where what CLIPS prints goes. */
 enum clips_mode { CLIPS_MODE_QUIET, CLIPS_MODE_FIRE, CLIPS_MODE_LINE };
-
-/* A mail that stands as a message fact.  Indices into the pool; 0 is no entry. */
-struct message {
-    struct fact *fact;
-    SYMBOL_HN *from;
-    unsigned short first_type; /* the first field, for "a later mail of the same first word" */
-    void *first;
-    uint64_t id, step;
-    uint16_t older, newer, chain;
-};
-
-enum { MESSAGES_CHAINS = 256 };
-
-struct messages {
-    struct message at[MESSAGES_MAX + 1];
-    uint16_t chains[MESSAGES_CHAINS];
-    uint16_t oldest, newest, free;
-};
-
-/* A mail that has no fact, kept for (getmsg): a ring of entries, and one of their contents. */
-struct mail_ring_entry {
-    uint64_t id;
-    SYMBOL_HN *from;
-    uint32_t at, bytes; /* of its content */
-    bool clips;         /* the content is a list of fields */
-};
-
-struct mail_ring {
-    struct mail_ring_entry mails[MAIL_RING_MAX];
-    char bytes[MAIL_RING_BYTES];
-    uint32_t first, count;
-};
-
-/* A deffunction that is the handler of a layer. */
-struct layers_handler {
-    uint32_t layer;
-    SYMBOL_HN *function;
-};
 
 /* How often a rule has failed. */
 struct clips_failing {
@@ -117,78 +70,29 @@ enum clips_diary_fact {
     CLIPS_DIARY_SHOWN   /* of a percept before: somebody looks now, who is not its cause */
 };
 
-/* The lists of a percept, and the facts of each: a plain list is one. */
-#define PERCEPT_ELEMENTS(id, senses, type, list, count, most, ...) type list[most];
-#define PERCEPT_FACTS(id, senses, type, list, count, most, ...) \
-    struct fact *list[_Generic((type *)0, float * : 1, default : (most))];
-struct percept_elements {
-    MU_CHANNELS(PERCEPT_ELEMENTS)
-};
-struct percept_facts {
-    MU_CHANNELS(PERCEPT_FACTS)
-};
-
-/* What belongs to one row of mu_channels. */
-struct percept_list {
-    void *elements;
-    struct fact **facts;
-    struct deftemplate *relation;
-};
-
+/*
+ * A mind as its engine sees it.  What the floors above have of it only they and what stands above
+ * them know.
+ */
 struct mind {
-    struct port_cost cost; /* first: port.h */
-    void *env;             /* NULL: there is none, or it broke */
+    struct port_cost cost;      /* first: port.h */
+    struct mind_inputs *inputs; /* facts/facts.h */
+    struct mind_output *output; /* functions/functions.h */
+    struct mind_loader *loader; /* load/load.h */
+
+    void *env; /* NULL: there is none, or it broke */
     struct heap heap;
     struct mind_options options;
     char name[MU_NAME_MAX + 1], folder[PATH_MAX], file[PATH_MAX]; /* that the options point to */
-    struct mu_random random;
-    uint64_t asked; /* questions so far, for reply-with */
-
-    /* percepts */
-    struct mu_percept percept;
-    struct percept_elements elements;
-    struct percept_facts list_facts;
-    struct percept_list lists[MU_CHANNEL_COUNT];
-    bool sensed;
-    uint32_t senses_named; /* enum mu_sense: by calls of their functions */
-    uint64_t step;
-    struct deftemplate *position, *message, *event, *mail;
     struct defglobal *globals[CLIPS_GLOBALS];
-    struct fact *position_fact;
-    bool ring_unseen; /* no rule has a pattern of the ring's fact, and nobody has looked for it */
-    long long ring_number; /* that it would bear */
+    DATA_OBJECT kept[2];         /* values of ?*my-name* and ?*mate* while (reset) runs */
+    struct clips_places *places; /* of what was loaded */
 
-    /* mail */
-    struct messages *messages;
-    struct fact *mails[MAILBOX_MAX]; /* mail facts; rules may have retracted some */
-    size_t mail_count;
-    struct mail_ring *parked;
-    bool rules_getmsg; /* a construct calls (getmsg) */
-    bool rules_speak;  /* one that is not of the library sends mail, or may */
-
-    struct layers_handler handlers[LAYERS_HANDLERS_MAX]; /* the youngest last */
-    size_t handler_count;
-    const struct mind_mail *handled; /* by a handler that runs, or NULL */
-
-    /* the agent's life */
-    bool pending[MU_EVENTS]; /* become facts in the next step */
-    struct fact *events[MU_EVENTS];
-    struct fact *refused[EVENTS_REFUSED_MAX]; /* a ring */
-    size_t refused_next;
-
-    /* what the rules do in this step */
-    struct mind_act act;
+    /* what fires */
     char fired_bytes[STEP_FIRED_MAX];
     struct mu_text fired;
     const char *rule; /* that fired last */
-    bool firing, sense_again;
-    struct mind_travel travel;
-
-    /* its own life */
-    enum mind_wish wish;
-    uint32_t wish_rules;
-    char stands[MU_FIELD_MAX + 1]; /* the rule with a breakpoint that it stopped before last */
-    bool passes;                   /* that rule may fire once all the same */
+    bool firing;
 
     /* guards */
     uint64_t worked; /* units of the cost, when the port was told last */
@@ -204,6 +108,7 @@ struct mind {
     size_t failing_count;
     uint64_t stops; /* by guards */
     char reason[MU_ATTRIBUTES_MAX + 1];
+    bool enough; /* for that reason; since a step was told last */
 
     /* output */
     enum clips_mode mode;
@@ -219,20 +124,6 @@ struct mind {
     struct mu_text diary;
     uint32_t diary_lost; /* lines for which there was no room */
     enum clips_diary_fact diary_fact;
-
-    /* values of ?*my-name* and ?*mate* while (reset) runs */
-    DATA_OBJECT kept[2];
-
-    /* loading */
-    char *text; /* a stack of the files being read */
-    size_t text_used;
-    char *form; /* one form, rewritten */
-    const char *files[LOAD_DEEP_MAX];
-    size_t files_deep;
-    long error_line;
-    struct clips_places *places; /* of what was loaded */
-
-    char *scratch; /* MU_CONTENT_MAX + 1 bytes: a mail's content */
 };
 
 /* environment.c */
@@ -253,6 +144,9 @@ void environment_enter(struct mind *m, enum clips_mode mode);
 
 /** After every call.  @return whether it ended in an error */
 bool environment_leave(struct mind *m);
+
+/** @return the mind that called into CLIPS last, of all of this process; entries: such calls */
+struct mind *environment_entered(uint64_t *entries);
 
 /** Visits each module, which is the current one meanwhile. */
 void environment_each_module(struct mind *m, void *self, void (*visit)(struct mind *m, void *self));
@@ -300,34 +194,11 @@ void budget_start(struct mind *m, long memory_spare);
  * there are not so many left, and the rule is stopped */
 bool budget_charge(struct mind *m, uint64_t units);
 
-/* watchdog.c */
-
-/** The mind calls into CLIPS. */
-void watchdog_enter(struct mind *m);
-
 /* meter.c */
 void meter_install(struct mind *m);
 
 /** An argument of the call is known: it is paid for, or becomes empty. */
 void meter_take(struct mind *m, struct meter *meter, DATA_OBJECT *value);
-
-/* clips_override.c */
-void builtins_install(struct mind *m);
-
-/* load.c */
-
-/** Loads one form after the other; what a file extends comes first. */
-mu_result load_file(struct mind *m, const char *path, struct mu_fault *fault);
-mu_result load_text(struct mind *m, const char *path, const char *at, struct mu_fault *fault);
-
-/** What was loaded begins: initial facts, first values. */
-mu_result load_begin(struct mind *m, const char *path, struct mu_fault *fault);
-void load_reserve(struct mind *m);
-void load_install(struct mind *m);
-
-/** Loads one construct.  @return MU_OK, or MU_FAULT_FILE with what CLIPS said */
-MU_MUST_USE mu_result load_construct(struct mind *m, const char *path, struct clips_form f,
-                                     struct mu_fault *fault);
 
 /* clips_place.c */
 void clips_place_reserve(struct mind *m);
@@ -338,9 +209,6 @@ void clips_place_note(struct mind *m, const char *form, const char *path, int li
 
 /** Adds " (FILE:LINE)" where the construct of that name is from a file. */
 void clips_place_add(const struct mind *m, const char *name, struct mu_text *out);
-
-/* step.c */
-void step_install(struct mind *m);
 
 /* complaint.c */
 
@@ -353,14 +221,6 @@ void complaint_show(struct mind *m, const char *kind, const char *name);
 void clips_failure_note(struct mind *m);
 
 void clips_failure_clear(struct mind *m);
-
-/* clips_control.c */
-
-/** @return whether the rule that fires next has a breakpoint */
-bool lifecycle_breaks(struct mind *m);
-
-/** @return whether rules must not go on: the next one has a breakpoint, and is not passed */
-bool lifecycle_stops(struct mind *m);
 
 /* clips_diary.c: each is nothing unless the options want a diary */
 
@@ -377,8 +237,8 @@ void clips_diary_mail(struct mind *m, const struct mind_mail *mail);
 /** m->rule fires, on what CLIPS has bound. */
 void clips_diary_rule(struct mind *m);
 
-/** The speed in m->act was set. */
-void clips_diary_speed(struct mind *m);
+/** The speed was set. */
+void clips_diary_speed(struct mind *m, double forward_m_s, double turn_rad_s);
 
 /** A mail was handed to the port. */
 void clips_diary_told(struct mind *m, const struct mind_letter *letter);
@@ -386,24 +246,53 @@ void clips_diary_told(struct mind *m, const struct mind_letter *letter);
 /** What is left on the agenda when a step's firing has ended. */
 void clips_diary_agenda(struct mind *m);
 
-/* clips_layer.c */
+/* value.c */
 
-/**
- * Makes a deffunction the youngest handler of a layer.
- *
- * @return MU_OK; MU_ABSENT: there is none that takes four arguments; MU_FULL
+/** Ends the call in a CLIPS error: "Function NAME expected WANTED". */
+void clips_value_refuse(void *env, const char *function, const char *wanted);
+
+/** The same of one argument, counted from 1: "... expected WANTED as argument #1, and got GOT". */
+void clips_value_refuse_argument(void *env, const char *function, int index, const char *wanted,
+                                 const DATA_OBJECT *got);
+
+void clips_value_bool(void *env, DATA_OBJECT *out, bool value);
+void clips_value_float(void *env, DATA_OBJECT *out, double value);
+void clips_value_integer(void *env, DATA_OBJECT *out, long long value);
+void clips_value_symbol(void *env, DATA_OBJECT *out, const char *value);
+void clips_value_multifield(DATA_OBJECT *out, struct multifield *fields);
+void clips_value_floats(void *env, DATA_OBJECT *out, size_t count, const double *values);
+void clips_value_set_float(void *env, struct multifield *fields, size_t index, double value);
+void clips_value_set_symbol(void *env, struct multifield *fields, size_t index, const char *value);
+
+/** A symbol, or the empty string. */
+void clips_value_set_word(void *env, struct multifield *fields, size_t index, const char *value);
+
+/** Evaluates an argument; counted from 1. @return false: it ended in an error */
+bool clips_value_any(void *env, int index, DATA_OBJECT *out);
+
+/** Evaluates an argument that must be a number; else a CLIPS error. */
+bool clips_value_number(void *env, const char *function, int index, double *out);
+
+/** As clips_value_number, for the first count arguments. */
+bool clips_value_numbers(void *env, const char *function, int count, double *out);
+
+/** Evaluates an argument that must be a whole number. */
+bool clips_value_whole(void *env, const char *function, int index, long long *out);
+
+/** Evaluates an argument that must be a symbol or a string. */
+bool clips_value_word(void *env, const char *function, int index, const char **out);
+
+/** Adds what a pattern has matched: 12, a fact's index; [ball], an instance; *, nothing is there.
  */
-MU_MUST_USE mu_result layers_add(struct mind *m, uint32_t layer, const char *function);
+void clips_value_add_match(struct mu_text *out, const struct alphaMatch *match);
 
-/** @return the deffunction of that name if it can be called as a handler, or NULL */
-struct deffunctionStruct *layers_function(const struct mind *m, const char *name);
+/** @return the number that a field is; 0 when it is none */
+double clips_value_of(unsigned short type, const void *value);
 
-enum { LAYERS_ARGUMENTS = 4 }; /* of a handler: id, from, performative, content */
+/** Degrees of a radian. */
+#define VALUE_DEG (180 / 3.14159265358979323846)
 
-/* clips_functions.c */
-void functions_install(struct mind *m);
-
-/* clips_findall.c */
-struct expr *query_parse(void *env, struct expr *top, const char *source);
+/** @return the same angle in (-180, 180] */
+double value_norm_deg(double angle_deg);
 
 #endif

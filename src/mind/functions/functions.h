@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file functions.h
+ * The functions that rules may call: docs/reference/functions.md has them all.
+ */
+#ifndef MUSTER_MIND_FUNCTIONS_H
+#define MUSTER_MIND_FUNCTIONS_H
+
+#include "core/random.h"
+#include "mind/facts/facts.h"
+
+enum {
+    LAYERS_HANDLERS_MAX = 32, /* handlers of layers, in all of them together */
+};
+
+/* A deffunction that is the handler of a layer. */
+struct layers_handler {
+    uint32_t layer;
+    SYMBOL_HN *function;
+};
+
+/* What rules have said by calling functions. */
+struct mind_output {
+    struct mind_act act; /* of this step */
+    bool sense_again;
+    struct mind_travel travel;
+    struct mu_random random;
+    uint64_t asked;   /* questions so far, for reply-with */
+    bool rules_speak; /* a construct that is not of the library sends mail, or may */
+
+    struct layers_handler handlers[LAYERS_HANDLERS_MAX]; /* the youngest last */
+    size_t handler_count;
+    const struct mind_mail *handled; /* by a handler that runs, or NULL */
+
+    /* the agent's own life */
+    enum mind_wish wish;
+    uint32_t wish_rules;
+    char stands[MU_FIELD_MAX + 1]; /* the rule with a breakpoint that it stopped before last */
+    bool passes;                   /* that rule may fire once all the same */
+};
+
+/** Makes the functions known to CLIPS. */
+void functions_install(struct mind *m);
+
+/** Writes the table of them, as Markdown. */
+void functions_page(struct mu_text *out);
+
+/* builtins.c */
+
+/** Puts functions of ours in the place of some of CLIPS's. */
+void builtins_install(struct mind *m);
+
+/* layers.c */
+
+/**
+ * Makes a deffunction the youngest handler of a layer.
+ *
+ * @return MU_OK; MU_ABSENT: there is none that takes four arguments; MU_FULL
+ */
+MU_MUST_USE mu_result layers_add(struct mind *m, uint32_t layer, const char *function);
+
+/** @return the deffunction of that name if it can be called as a handler, or NULL */
+struct deffunctionStruct *layers_function(const struct mind *m, const char *name);
+
+enum { LAYERS_ARGUMENTS = 4 }; /* of a handler: id, from, performative, content */
+
+/* lifecycle.c */
+
+/** @return whether the rule that fires next has a breakpoint */
+bool lifecycle_breaks(struct mind *m);
+
+/** @return whether rules must not go on: the next one has a breakpoint, and is not passed */
+bool lifecycle_stops(struct mind *m);
+
+/* send.c */
+
+/** Adds a field as it reads back.  @return false: an address or a number that is not finite */
+bool send_field(struct mu_text *out, unsigned short type, const void *value);
+
+/** Adds a field, or all of a multifield.  @return false, after a CLIPS error: cannot be mailed */
+bool send_content(void *env, const char *function, const DATA_OBJECT *fields, struct mu_text *out);
+
+#endif

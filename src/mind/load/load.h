@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file load.h
+ * Rule files and their constructs.
+ */
+#ifndef MUSTER_MIND_LOAD_H
+#define MUSTER_MIND_LOAD_H
+
+#include "mind/functions/functions.h"
+
+enum {
+    LOAD_FILE_MAX = 1 << 20, /* bytes of a rule file */
+    LOAD_DEEP_MAX = 16,      /* files that extend each other */
+};
+
+struct mind_loader {
+    char *text; /* a stack of the files being read */
+    size_t text_used;
+    char *form; /* one form, rewritten */
+    const char *files[LOAD_DEEP_MAX];
+    size_t files_deep;
+    long error_line;
+};
+
+/** Takes memory while the process starts. */
+void load_reserve(struct mind *m);
+void load_install(struct mind *m);
+
+/** Loads one form after the other; what a file extends comes first. */
+MU_MUST_USE mu_result load_file(struct mind *m, const char *path, struct mu_fault *fault);
+MU_MUST_USE mu_result load_text(struct mind *m, const char *path, const char *at,
+                                struct mu_fault *fault);
+
+/** What was loaded begins: initial facts, first values. */
+MU_MUST_USE mu_result load_begin(struct mind *m, const char *path, struct mu_fault *fault);
+
+/** Loads one construct.  @return MU_OK, or MU_FAULT_FILE with what CLIPS said */
+MU_MUST_USE mu_result load_construct(struct mind *m, const char *path, struct clips_form f,
+                                     struct mu_fault *fault);
+
+#endif

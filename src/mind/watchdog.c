@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The last resort, outside of the engine: one call into it has been at work for seconds and has
+ * come to hardly any of the places where guards count.  The owner's timer brings the time.
+ */
+#include "mind/mind.h"
+#include "mind/snapshot/snapshot.h"
+
+enum {
+    WATCHDOG_UNITS = 1000 * BUDGET_UNITS_A_TICK
+}; /* an engine at work counts a thousand times
+      that between two looks */
+
+static struct {
+    uint64_t looked_at, seen; /* calls into engines, and units counted, at the last look */
+    unsigned hanging_ms;      /* since an engine has come to a guard */
+} watchdog;
+
+static bool watchdog_hangs(const struct mind *m, uint64_t entries, unsigned ms)
+{
+    bool hangs = watchdog.looked_at == entries && m->cost.units - watchdog.seen < WATCHDOG_UNITS;
+    watchdog.hanging_ms = hangs ? watchdog.hanging_ms + ms : 0;
+    watchdog.looked_at = entries;
+    watchdog.seen = m->cost.units;
+    return hangs;
+}
+
+int mind_look(unsigned ms, struct mu_text *why)
+{
+    uint64_t entries;
+    struct mind *m = environment_entered(&entries);
+    if (!m || !m->sheltered || !m->options.ports.stuck || !watchdog_hangs(m, entries, ms)) {
+        return MIND_WAITS;
+    }
+    int code = m->options.ports.stuck(m->options.ports.self, watchdog.hanging_ms);
+    if (code == MIND_BREAKS) {
+        watchdog.hanging_ms = 0;
+        budget_leave(m, "time");
+    } else if (code != MIND_WAITS) {
+        budget_say(m);
+        mu_text_format(why, "%s: %s\n", m->name, m->lost);
+    }
+    return code;
+}
