@@ -2,6 +2,9 @@
 /* Contacts between bodies in a substep, and their effects: bumpers, chargers, sleep. */
 #include "sim/engine/engine_core.h"
 
+/* Sectors of a bumper: bits of a percept. */
+enum { CONTACTS_SECTORS = 8 };
+
 static void contacts_note(struct engine *e, const struct engine_pair *pair)
 {
     if (e->pair_count < e->pairs_max) {
@@ -25,9 +28,6 @@ static void contacts_wake(struct engine *e, int32_t body, int32_t by)
 }
 
 /* Marks the sector of a bumper: eighths of a turn, counted from ahead to the left. */
-/* Sectors of the bumper, as bits of a percept. */
-enum { CONTACTS_SECTORS = 8 };
-
 static void contacts_bump_at(struct engine *e, int32_t robot, double x, double y)
 {
     const struct ode_motion *m = &e->bodies[robot].motion;

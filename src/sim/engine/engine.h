@@ -59,11 +59,11 @@ MU_MUST_USE mu_result engine_grip(struct engine *e, size_t robot, int32_t paddle
 /** Runs one control step. */
 void engine_step(struct engine *e);
 
-/* A robot at one step: what its body senses, and what only the simulator knows. */
+/* A robot in one step: its percept, and data that only the simulator has. */
 struct engine_sample {
-    struct mu_percept percept; /* without name and time; its lists are good until the next step */
-    struct world_pose pose;    /* as it is; heading in (-pi, pi] */
-    bool placed;               /* it did not drive here: somebody put it here */
+    struct mu_percept percept; /* without name and time; its lists are valid until the next step */
+    struct world_pose pose;    /* true pose; heading in (-pi, pi] */
+    bool placed;               /* put there from outside: it did not drive there */
 };
 
 /**
@@ -77,7 +77,7 @@ struct engine_sample {
  */
 const struct engine_sample *engine_sense_all(struct engine *e, const uint32_t wanted[]);
 
-/** @return the percept with where the body truly is, and without lists: what a watcher sees */
+/** @return the percept with the true pose and without lists, as observers see it */
 struct mu_percept engine_truth(const struct engine_sample *sample);
 
 /** @return the number of bodies: all robots, then all objects, numbered as in struct world */

@@ -244,7 +244,7 @@ void separate_all(struct engine *e);
 
 /* percept.c: */
 
-/** Fills in what a robot knows of itself: all but what it sees.  Changes nothing. */
+/** Fills in all readings of a robot but the lists of its sensors.  Changes no state. */
 void engine_feel(const struct engine *e, size_t robot, struct engine_sample *out);
 
 /* sanity.c: */

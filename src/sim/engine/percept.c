@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a robot knows of itself: where it is, by each of its ways to know, and what it touches. */
+/* The readings that need no ray: position, speed, bumpers, gripper, battery. */
 #include "sim/engine/engine_core.h"
 
 struct world_pose engine_pose(const struct engine *e, size_t body)

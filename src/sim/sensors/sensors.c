@@ -10,18 +10,18 @@
 
 enum {
     SENSORS_PIECE = 16,   /* robots that a thread takes at a time */
-    SENSORS_POOL_MIN = 32 /* with fewer robots, waking a thread costs more than it does */
+    SENSORS_POOL_MIN = 32 /* with fewer robots, waking a thread takes longer than it saves */
 };
 
 #define SENSORS_NEVER UINT64_MAX
 
-/* Those that work on what gather_near collects. */
+/* The sensors that use the solids that gather_near lists. */
 #define SENSORS_NEAR (MU_SENSE_LASER | MU_SENSE_CAMERA | MU_SENSE_FIDUCIALS)
 
-/* Those, and who looks through the same tiles. */
+/* The sensors that use the tiles. */
 #define SENSORS_GATHERED (SENSORS_NEAR | MU_SENSE_SONAR)
 
-/* The sensors of robots that have the same. */
+/* The models of all robots with the same sensors. */
 struct sensors_kind {
     const struct world_robot *model;
     struct sonar_ring sonars;
@@ -29,11 +29,11 @@ struct sensors_kind {
     struct camera camera;
     struct fiducials finder;
     uint32_t has;                  /* bits of enum mu_sense */
-    double reach_m;                /* of all that work on what is near */
+    double reach_m;                /* reach of laser, camera and finder */
     size_t room[MU_CHANNEL_COUNT]; /* elements of each list */
 };
 
-/* The lists of the table: of one robot, and all robots' one behind the other. */
+/* The lists of the table: those of one robot, or those of all robots in one piece. */
 #define SENSORS_LIST(id, senses, type, list, count, ...) \
     type *list;                                          \
     size_t count;
@@ -59,7 +59,7 @@ struct sensors {
     struct sensors_lists memory;
     struct sensing *workers; /* one for each thread */
     struct pool *pool;
-    /* Of the job that is being done: */
+    /* Of the present job: */
     const uint32_t *wanted;
     uint64_t step;
 };
@@ -125,7 +125,7 @@ static void sensors_robot_init(struct sensors *s, size_t i)
 #undef RESERVE
 }
 
-/* A plain list is always as long as its room, from the first reading on. */
+/* The length of a plain list is its room, from the first reading on. */
 static void sensors_lists_init(struct sensors *s)
 {
 #define TAKE(id, senses, type, list, count, ...) \
@@ -209,7 +209,10 @@ void sensors_place(struct sensors *s, size_t robot, const struct frame *frame)
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
-/* A period begins anew at each multiple of it, so that sensors of one period read together. */
+/*
+ * Periods begin at multiples of their length, so that sensors with the same period are read
+ * together.
+ */
 static bool sensors_due(const struct sensors_robot *r, enum mu_sensor sensor, uint64_t now_ns)
 {
     uint64_t period_ns = r->period_ns[sensor];
@@ -217,7 +220,7 @@ static bool sensors_due(const struct sensors_robot *r, enum mu_sensor sensor, ui
     return period_ns == 0 || read_ns == SENSORS_NEVER || now_ns / period_ns != read_ns / period_ns;
 }
 
-/* @return the sensors that are read now; each counts as read */
+/* @return the sensors to read now; marks them as read */
 static uint32_t sensors_take_due(const struct sensors *s, struct sensors_robot *r, uint32_t wanted)
 {
     uint64_t now_ns = s->step * s->scene.step_ns;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file sensors.h
- * All sensors of all robots that cost something, read when somebody asks and it is time.
+ * All sensors of all robots that cast rays.  A sensor is read only if it is wanted and due.
  *
- * Robots do not disturb one another here, so any number of threads gives the same bits.
+ * Readings of robots are independent, so that any number of threads gives the same bits.
  */
 #ifndef MUSTER_SIM_SENSORS_H
 #define MUSTER_SIM_SENSORS_H
@@ -11,12 +11,13 @@
 #include "muster/percept.h"
 #include "sim/geometry/geometry.h"
 
-/* Where it all is; must outlive the sensors. */
+/* The scene, which must outlive the sensors. */
 struct sensors_scene {
     const struct world *world;
-    const struct grid *grid; /* brought up to date by the caller; robots move first, by number */
+    const struct grid
+        *grid; /* updated by the caller; its moving solids are first the robots, by number */
     uint64_t seed, step_ns;
-    size_t threads; /* 0 or 1: the caller's alone */
+    size_t threads; /* 0 or 1: only the caller's */
 };
 
 /** Takes all memory, and starts the threads. */
@@ -25,21 +26,23 @@ struct sensors *sensors_open(const struct sensors_scene *scene);
 /** Ends the threads. */
 void sensors_close(struct sensors *s);
 
-/** Says where a robot is now. */
+/** Sets the present frame of a robot. */
 void sensors_place(struct sensors *s, size_t robot, const struct frame *frame);
 
 /**
- * Reads what is wanted and due.  Between two readings of a sensor the last one stands.
+ * Reads all sensors that are wanted and due.  The others keep their last reading.
  *
- * @param wanted  for each robot the bits of enum mu_sense
+ * @param wanted  for each robot, bits of enum mu_sense
  * @param step    control steps since the start
  */
 void sensors_read_all(struct sensors *s, const uint32_t wanted[], uint64_t step);
 
-/** Forgets all readings: each sensor is read anew when it is wanted next. */
+/** Drops all readings: each sensor is read again when it is next wanted. */
 void sensors_forget(struct sensors *s);
 
-/** Points to the lists that are wanted, good until the next step; the others stay as they are. */
+/**
+ * Sets the wanted lists of a percept, valid until the next reading.  Other members do not change.
+ */
 void sensors_tell(const struct sensors *s, size_t robot, uint32_t wanted, struct mu_percept *out);
 
 #endif
