@@ -12,6 +12,7 @@ import graph
 
 # Bottom first: a folder and its public header, for the modules that have floors.
 FLOORS = {
+    "bus/raw": "raw.h",
     "world/condition": "condition.h",
     "world/parse": "parser.h",
     "world/model": "world.h",
@@ -40,19 +41,15 @@ FILES_MAX = 16  # of code in a floor
 UNFINISHED = {"mind", "sim"}
 # Circles of files that later work cures, by module: the sizes may shrink, and never grow.
 CIRCLES = {
-    "broker": [23, 3],
     "runtime": [11],
     "ctl": [10, 3, 2],
     "experiment": [8],
     "report": [6],
     "mcap": [2, 2],
-    "bus": [2],
     "core": [2],
 }
 # The same of folders.
-FOLDER_CIRCLES = {
-    "broker": [5, 2],
-}
+FOLDER_CIRCLES = {}
 # Pointers in headers through which a lower floor calls a higher one: holder, how many, why.
 POINTERS = {
     "struct mu_handlers": (11, "public: the runtime calls an agent's program"),

@@ -24,11 +24,6 @@ static mu_result dds_fault(const char *what, dds_return_t code)
     return MU_FAULT_DDS;
 }
 
-int bus_port(int domain, int index)
-{
-    return 7400 + 250 * domain + 10 + 2 * index;
-}
-
 /* A taken index makes Cyclone print an error; we go on to the next one, so nobody should read it.
  */
 static void log_nothing(void *arg, const dds_log_data_t *data)

@@ -159,39 +159,6 @@ bool bus_is_lone_broker(const struct bus *bus, int domain);
  * MU_FAULT_DDS */
 MU_MUST_USE mu_result bus_write(const struct bus_writer *writer, const void *sample);
 
-/* A sample as bytes, in memory that is used again for the next one. */
-struct bus_bytes {
-    const unsigned char *data; /* with the four bytes of the encapsulation before it */
-    size_t size;
-    unsigned char *room; /* DDS's own */
-    uint32_t room_size;
-};
-
-/**
- * Turns a sample into the bytes that would go out for it: CDR, little-endian, version 1, with its
- * encapsulation, for whoever keeps samples in a file.
- *
- * @param to  zero at first; data is good until the next call with it
- * @return MU_OK; MU_MALFORMED: an enumeration has a value that its type does not know
- */
-MU_MUST_USE mu_result bus_encode(enum bus_topic topic, const void *sample, struct bus_bytes *to);
-
-/** Gives the memory of bytes back. */
-void bus_bytes_free(struct bus_bytes *bytes);
-
-/**
- * Turns such bytes into a sample again, for whoever reads a recording; they are checked as samples
- * from the network are.
- *
- * @param bytes   its numbers are put in this machine's order
- * @param sample  out: DDS's memory, for bus_decode_free
- * @return MU_OK; MU_MALFORMED: they are no sample of that topic, or break a rule of the wire
- */
-MU_MUST_USE mu_result bus_decode(enum bus_topic topic, void *bytes, size_t size, void **sample);
-
-/** Gives a sample back; NULL: nothing to do. */
-void bus_decode_free(enum bus_topic topic, void *sample);
-
 /** Takes an instance back; only the key of the sample is read. */
 void bus_dispose(const struct bus_writer *writer, const void *sample);
 
@@ -287,26 +254,6 @@ int bus_wake_fd(struct bus *bus);
 
 /** Waits until everything written has been acknowledged by its readers.  @return whether it has */
 bool bus_drain(const struct bus_writer *writer, int64_t timeout_ns);
-
-/**
- * Writes the definition of a topic's type as a ROS 2 message, for recordings.  Takes memory from
- * DDS, and gives it back.
- *
- * @param name  out: "muster/msg/Frame"
- * @param text  out: the definition, with those of the types in it; 16 kB are enough for each
- * @return MU_OK; MU_FULL: no room
- */
-mu_result bus_schema(enum bus_topic topic, struct mu_text *name, struct mu_text *text);
-
-/**
- * Says whether a recording describes a topic's type as one of today would.
- *
- * @param schema  what bus_schema wrote then; size 0: it does not say, which is no difference
- */
-bool bus_schema_is(enum bus_topic topic, const void *schema, size_t size);
-
-/** Writes the quality of service of a topic as rosbag2 does in its files; 1 kB is enough. */
-void bus_profile(enum bus_topic topic, struct mu_text *text);
 
 /** @return the version of DDS, "0.10.2" */
 const char *bus_version(void);

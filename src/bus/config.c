@@ -18,6 +18,11 @@ int config_index(enum bus_place place, int index)
     return CONFIG_INDEX_FIRST + index <= CONFIG_INDEX_LAST ? CONFIG_INDEX_FIRST + index : -1;
 }
 
+int bus_port(int domain, int index)
+{
+    return 7400 + 250 * domain + 10 + 2 * index;
+}
+
 const char *config_host(const char **at, size_t *len)
 {
     static const char allowed[] =

@@ -7,7 +7,7 @@
 #ifndef MUSTER_RECORD_TAPE_H
 #define MUSTER_RECORD_TAPE_H
 
-#include "bus/tap.h"
+#include "bus/raw/raw.h"
 #include "mcap/mcap_write.h"
 #include "muster/limits.h"
 

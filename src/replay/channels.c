@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "replay/channels.h"
+#include "bus/raw/raw.h"
 
 #include "core/text.h"
 #include "mcap/mcap_origin.h"

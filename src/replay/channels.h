@@ -9,7 +9,7 @@
 #ifndef MUSTER_REPLAY_CHANNELS_H
 #define MUSTER_REPLAY_CHANNELS_H
 
-#include "bus/feed.h"
+#include "bus/raw/raw.h"
 #include "core/options.h"
 #include "mcap/mcap_read.h"
 #include "muster/limits.h"

@@ -2,6 +2,7 @@
 #include "story/recording.h"
 
 #include "bus/bus.h"
+#include "bus/raw/raw.h"
 #include "mcap/mcap_origin.h"
 #include "muster/limits.h"
 #include "muster/memory.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "bus/raw/raw.h"
 #include "sim/record/record.h"
 
 #include "core/clock.h"

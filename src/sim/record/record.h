@@ -7,6 +7,7 @@
 #define MUSTER_SIM_RECORD_H
 
 #include "bus/bus.h"
+#include "bus/raw/raw.h"
 #include "core/options.h"
 #include "muster/limits.h"
 #include "muster/result.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What observers are told of a run: the Scene once, and Frames as long as somebody wants them. */
 #include "bus/percept.h"
+#include "bus/raw/raw.h"
 #include "sim/session/parts.h"
 
 #include "core/clock.h"

@@ -10,6 +10,7 @@
 #define MUSTER_SIM_SESSION_PARTS_H
 
 #include "bus/bus.h"
+#include "bus/raw/raw.h"
 #include "core/table.h"
 #include "sim/engine/engine.h"
 #include "sim/record/record.h"

@@ -7,6 +7,7 @@
 #define MUSTER_TESTS_RICH_RECORDING_H
 
 #include "bus/bus.h"
+#include "bus/raw/raw.h"
 #include "mcap/mcap_write.h"
 #include "rich.h"
 #include "wound.h"

@@ -4,6 +4,7 @@
  * the simulator's place.
  */
 #include "bus/bus.h"
+#include "bus/raw/raw.h"
 #include "core/clock.h"
 #include "hush.h"
 #include "muster/limits.h"

@@ -3,11 +3,8 @@
  * Types that we were not compiled with, for this test some of ours under other names: a type as
  * bytes is a topic again, damaged bytes are none, and readers find what they ask for.
  */
-#include "bus/feed.h"
-#include "bus/offer.h"
-#include "bus/tap.h"
+#include "bus/raw/raw.h"
 #include "bus/topics.h"
-#include "bus/type_bytes.h"
 #include "core/clock.h"
 #include "core/random.h"
 #include "samples.h"

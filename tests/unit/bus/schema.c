@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Types as text: what recordings say of our topics, and of types that cannot be said. */
-#include "bus/schema.h"
 #include "bus/bus.h"
+#include "bus/raw/raw.h"
 #include "suite.h"
 #include "wire.h"
 

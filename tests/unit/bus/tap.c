@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Samples as bytes, on loopback: what a feed writes, a tap hears; what is no sample is refused. */
-#include "bus/tap.h"
-#include "bus/feed.h"
+#include "bus/raw/raw.h"
 #include "core/clock.h"
 #include "core/random.h"
 #include "samples.h"

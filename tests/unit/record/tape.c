@@ -2,7 +2,7 @@
 /* What a tape makes of what taps hear: channels by topic, partitions and quality of service, what
  * has gone beside them; and what is too long leaves no channel. */
 #include "record/tape.h"
-#include "bus/feed.h"
+#include "bus/raw/raw.h"
 #include "bus/topics.h"
 #include "core/clock.h"
 #include "mcap/mcap_read.h"

@@ -5,7 +5,7 @@
  * to a watch of a program.  From another seed where MUSTER_SEED names one, and so many times as
  * MUSTER_ROUNDS says: make soak-strangers.
  */
-#include "bus/feed.h"
+#include "bus/raw/raw.h"
 #include "muster/monitor.h"
 #include "muster/stats.h"
 #include "rich.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* For whom a Frame is made: nobody, a listener in the process, readers of the latest, of every. */
+#include "bus/raw/raw.h"
 #include "core/clock.h"
 #include "physics.h"
 #include "samples.h"

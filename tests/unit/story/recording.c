@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A recorded run read back: its steps, its minds, and when its robots were stalled. */
 #include "bus/bus.h"
+#include "bus/raw/raw.h"
 #include "core/text.h"
 #include "mcap/mcap_write.h"
 #include "story/differ.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "bus/offer.h"
+#include "bus/raw/raw.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "bus/schema.h"
+#include "bus/raw/raw.h"
 
 #include <ctype.h>
 #include <string.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Samples as bytes, by the very tables that DDS writes them with. */
 #include "bus/bus.h"
+#include "bus/raw/raw.h"
 #include "bus/topics.h"
 
 #include <string.h>

@@ -2,8 +2,7 @@
 /* What our own topics look like, for recordings. */
 #include "bus/bus.h"
 
-#include "bus/profile.h"
-#include "bus/schema.h"
+#include "bus/raw/raw.h"
 #include "bus/topics.h"
 
 #include <dds/version.h>

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "bus/tap.h"
+#include "bus/raw/raw.h"
 
 #include "bus/topics.h"
-#include "bus/type_bytes.h"
 #include "core/clock.h"
 #include "core/log.h"
 

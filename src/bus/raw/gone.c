@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "bus/gone.h"
+#include "bus/raw/raw.h"
 
 #include <string.h>
 

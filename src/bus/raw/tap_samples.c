@@ -6,7 +6,7 @@
  * with data lies unread; else the state stands beside that sample, and if the instance lives again
  * by then, nothing but a count says that it had gone.  So we remember the count of each instance.
  */
-#include "bus/tap.h"
+#include "bus/raw/raw.h"
 #include "core/sort.h"
 
 #include <dds/dds.h>

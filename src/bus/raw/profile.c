@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "bus/profile.h"
+#include "bus/raw/raw.h"
 
 static const int64_t SECOND_NS = 1000000000;
 

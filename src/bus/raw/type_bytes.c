@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "bus/type_bytes.h"
+#include "bus/raw/raw.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What recordings say of a topic beside its samples: type, partitions, quality of service. */
-#include "bus/offer.h"
-#include "bus/profile.h"
-#include "bus/schema.h"
-#include "bus/tap.h"
+#include "bus/raw/raw.h"
 #include "bus/topics.h"
-#include "bus/type_bytes.h"
 
 #include <string.h>
 

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "bus/feed.h"
+#include "bus/raw/raw.h"
 
-#include "bus/offer.h"
 #include "bus/topics.h"
-#include "bus/type_bytes.h"
 
 #include <stdlib.h>
 #include <string.h>
