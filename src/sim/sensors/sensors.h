@@ -14,8 +14,7 @@
 /* The scene, which must outlive the sensors. */
 struct sensors_scene {
     const struct world *world;
-    const struct grid
-        *grid; /* updated by the caller; its moving solids are first the robots, by number */
+    const struct grid *grid; /* updated by the caller; its moving solids begin with the robots */
     uint64_t seed, step_ns;
     size_t threads; /* 0 or 1: only the caller's */
 };
