@@ -129,7 +129,7 @@ int main(int argc, char **argv)
     trips_listen(g->process, &listener);
     mu_process_each_round(g->process, group_round, g);
     process_before_up(g->process, group_save, g);
-    watchdog_start();
+    robot_mind_watch();
     mu_memory_seal();
     mu_result ran = mu_process_run(g->process);
     mu_process_close(g->process);

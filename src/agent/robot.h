@@ -181,6 +181,9 @@ bool robot_mind_mend(struct robot *r);
  */
 MU_MUST_USE mu_result robot_mind_open_map(struct group_process *g);
 
+/** Looks after minds whose engine hangs, from now on, four times a second. */
+void robot_mind_watch(void);
+
 /* percept.c */
 
 /** Asks for the sensors that the rules look at. */
@@ -200,11 +203,6 @@ struct mind_ports ports_of(struct robot *r);
 
 /** Ends the line that its rules have begun to print. */
 void ports_print_rest(struct robot *r);
-
-/* watchdog.c */
-
-/** Looks after minds whose engine hangs, from now on, four times a second. */
-void watchdog_start(void);
 
 /* console.c */
 

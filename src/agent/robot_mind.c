@@ -9,8 +9,11 @@
 #include "world/world_load.h"
 
 #include <inttypes.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
+#include <unistd.h>
 
 /* Half a Pioneer, for a robot that does not stand in the world's file. */
 static const double map_half_m = 0.19;
@@ -83,7 +86,7 @@ struct mind_options robot_mind_options(struct robot *r, const char *folder)
                                  .rules_file = set->rules,
                                  .firings_max = (uint32_t)set->firings_max,
                                  .failures_max = (uint32_t)set->failures_max,
-                                 .diary = set->diary,
+                                 .trace = set->diary,
                                  .planner = r->group->planner,
                                  .half_m = map_half_width_m(r),
                                  .ports = ports_of(r)};
@@ -195,4 +198,48 @@ bool robot_mind_mend(struct robot *r)
            r->mends);
     mind_event(r->mind, MU_ON_ARRIVE);
     return true;
+}
+
+/* --- minds whose engine does not come back ------------------------------------------------------
+ */
+
+/*
+ * Time is the processor's, of this thread: neither a machine that has much to do nor a process that
+ * was stopped is taken for an engine that hangs.
+ */
+
+/* glibc 2.36 has no name for it. */
+#ifndef sigev_notify_thread_id
+#define sigev_notify_thread_id _sigev_un._tid
+#endif
+
+enum { MIND_LOOK_MS = 250 };
+
+static void mind_timer(int number)
+{
+    (void)number;
+    char bytes[320];
+    struct mu_text why;
+    mu_text_init(&why, bytes, sizeof bytes);
+    int code = mind_look(MIND_LOOK_MS, &why);
+    if (code != MIND_WAITS) {
+        ssize_t written = write(STDERR_FILENO, why.at, why.len);
+        (void)written; /* nobody to tell */
+        _exit(code);
+    }
+}
+
+void robot_mind_watch(void)
+{
+    timer_t timer;
+    /* No mask: from a look the way may lead out of the engine. */
+    struct sigaction look = {.sa_handler = mind_timer, .sa_flags = SA_RESTART | SA_NODEFER};
+    struct sigevent event = {.sigev_notify = SIGEV_THREAD_ID, .sigev_signo = SIGPROF};
+    struct itimerspec every = {.it_interval.tv_nsec = MIND_LOOK_MS * 1000000,
+                               .it_value.tv_nsec = MIND_LOOK_MS * 1000000};
+    event.sigev_notify_thread_id = gettid();
+    bool set = sigaction(SIGPROF, &look, NULL) == 0 &&
+               timer_create(CLOCK_THREAD_CPUTIME_ID, &event, &timer) == 0 &&
+               timer_settime(timer, 0, &every, NULL) == 0;
+    MU_ASSERT(set);
 }

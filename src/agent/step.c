@@ -13,7 +13,7 @@ static void mind_hand(struct robot *r, mu_agent *a)
     mind_goal(r->mind, goal);
     mu_agent_want(a, goal);
     mu_text_clear(diary);
-    mind_diary(r->mind, diary);
+    mind_trace(r->mind, diary);
     mu_agent_note(a, diary->at);
 }
 

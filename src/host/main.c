@@ -101,7 +101,7 @@ int main(int argc, char **argv)
     }
     mu_process_each_round(h->group.process, host_round, h);
     process_before_up(h->group.process, host_save, h);
-    watchdog_start();
+    robot_mind_watch();
     mu_memory_seal();
     mu_result ran = mu_process_run(h->group.process);
     mu_process_close(h->group.process);

@@ -44,7 +44,7 @@ bool mind_answer(struct mind *m, const struct mind_mail *mail, struct mu_text *o
     DATA_OBJECT result;
     environment_enter(m, CLIPS_MODE_FIRE);
     budget_start(m, 0);
-    clips_diary_mail(m, mail);
+    trace_mail(m, mail);
     bool good = !EvaluateExpression(m->env, &call, &result) && answer_write(m, &result, out);
     bool failed = environment_leave(m);
     if (failed || m->said.len > 0) {
@@ -56,7 +56,7 @@ bool mind_answer(struct mind *m, const struct mind_mail *mail, struct mu_text *o
 static void field_add(struct mu_text *out, const struct field *f)
 {
     switch (f->type) {
-    case FLOAT: clips_text_add_float(out, ValueToDouble(f->value)); break;
+    case FLOAT: syntax_add_float(out, ValueToDouble(f->value)); break;
     case INTEGER: mu_text_format(out, "%lld", ValueToLong(f->value)); break;
     case STRING:
     case SYMBOL:
@@ -143,7 +143,7 @@ bool mind_handle(struct mind *m, const struct mind_mail *mail)
     memcpy(chain, m->output->handlers, count * sizeof chain[0]);
     environment_enter(m, CLIPS_MODE_QUIET);
     budget_start(m, 0);
-    clips_diary_mail(m, mail);
+    trace_mail(m, mail);
     struct multifield *fields = mailbox_content(m, mail, &list);
     MultifieldInstall(m->env, fields);
     DATA_OBJECT content = {
@@ -220,7 +220,7 @@ mu_result mind_facts(struct mind *m, const char *relation, struct mu_text *out)
     if (whole) {
         mu_text_format(out, "For a total of %u fact%s.\n", count, count == 1 ? "" : "s");
     }
-    clips_text_as_written(out->at + start);
+    syntax_as_written(out->at + start);
     out->len = start + strlen(out->at + start);
     if (!whole) {
         facts_end_character(out, start);

@@ -7,23 +7,23 @@
 #include <ctype.h>
 #include <string.h>
 
-enum { LINE_FORM_MAX = 4 * CLIPS_LINE_MAX };
+enum { LINE_FORM_MAX = 4 * ENVIRONMENT_LINE_MAX };
 
 /* Looks at a line before any of it runs.  @return NULL, or what is wrong with the form f */
-static const char *line_check(const char *line, struct clips_form *f)
+static const char *line_check(const char *line, struct syntax_form *f)
 {
     int number = 1;
     for (size_t forms = 0;; forms++) {
-        struct clips_form before = *f;
-        *f = clips_text_form(&line, &number);
-        bool junk = f->kind == CLIPS_FORM_ATOM && forms > 0;
-        if (f->kind == CLIPS_FORM_BAD) {
+        struct syntax_form before = *f;
+        *f = syntax_read_form(&line, &number);
+        bool junk = f->kind == SYNTAX_FORM_ATOM && forms > 0;
+        if (f->kind == SYNTAX_FORM_BAD) {
             return f->what;
         }
-        if (junk || (f->kind == CLIPS_FORM_LIST && forms > 0 && before.kind == CLIPS_FORM_ATOM)) {
+        if (junk || (f->kind == SYNTAX_FORM_LIST && forms > 0 && before.kind == SYNTAX_FORM_ATOM)) {
             return "expected nothing more, or one more form in parentheses";
         }
-        if (f->kind == CLIPS_FORM_END) {
+        if (f->kind == SYNTAX_FORM_END) {
             return NULL;
         }
     }
@@ -31,27 +31,27 @@ static const char *line_check(const char *line, struct clips_form *f)
 
 /* (break RULE): in CLIPS break leaves a loop, has no arguments, and is of no use on a line.
  * @return the bytes of "(break", or 0: it is something else */
-static size_t line_sets_break(struct clips_form f)
+static size_t line_sets_break(struct syntax_form f)
 {
     const char *at = f.at + 1, *end = f.at + f.len;
     while (at < end && strchr(" \t\n", *at)) {
         at++;
     }
     bool is_break = end - at > 6 && memcmp(at, "break", 5) == 0 && strchr(" \t\n", at[5]);
-    return f.kind == CLIPS_FORM_LIST && is_break ? (size_t)(at + 5 - f.at) : 0;
+    return f.kind == SYNTAX_FORM_LIST && is_break ? (size_t)(at + 5 - f.at) : 0;
 }
 
 /* @return whether CLIPS did it */
-static bool line_run(struct mind *m, struct clips_form f)
+static bool line_run(struct mind *m, struct syntax_form f)
 {
     static char bytes[LINE_FORM_MAX]; /* RouteCommand reads it before it evaluates */
     struct mu_text form;
     mu_text_init(&form, bytes, sizeof bytes);
     size_t begun = line_sets_break(f);
     mu_text_add(&form, begun ? "(set-break" : "");
-    clips_text_rewrite(&form, f.at + begun, f.len - begun);
+    syntax_rewrite(&form, f.at + begun, f.len - begun);
     bool done = RouteCommand(m->env, form.at, TRUE);
-    clips_place_note(m, form.at, NULL, 0);
+    source_lines_note(m, form.at, NULL, 0);
     bool failed = GetEvaluationError(m->env) || GetHaltExecution(m->env);
     FlushPPBuffer(m->env);
     SetPPBufferStatus(m->env, OFF);
@@ -62,10 +62,10 @@ static bool line_run(struct mind *m, struct clips_form f)
 
 mu_result mind_line(struct mind *m, const char *line, struct mu_text *out)
 {
-    struct clips_form f = {.kind = CLIPS_FORM_END};
+    struct syntax_form f = {.kind = SYNTAX_FORM_END};
     size_t start = out->len;
     int number = 1;
-    if (strlen(line) > CLIPS_LINE_MAX) {
+    if (strlen(line) > ENVIRONMENT_LINE_MAX) {
         mu_text_add(out, "a line has at most 16384 bytes\n");
         return MU_MALFORMED;
     }
@@ -81,12 +81,12 @@ mu_result mind_line(struct mind *m, const char *line, struct mu_text *out)
     }
     m->out = out;
     m->shown_count = 0;
-    budget_start(m, CLIPS_MEMORY_SPARE);
+    budget_start(m, BUDGET_MEMORY_SPARE);
     bool done = true;
-    while (done && (f = clips_text_form(&line, &number)).kind != CLIPS_FORM_END) {
+    while (done && (f = syntax_read_form(&line, &number)).kind != SYNTAX_FORM_END) {
         environment_enter(m, CLIPS_MODE_LINE);
         percept_show(m);
-        clips_diary_line(m, f);
+        trace_line(m, f);
         done = line_run(m, f);
         environment_leave(m);
     }
@@ -94,7 +94,7 @@ mu_result mind_line(struct mind *m, const char *line, struct mu_text *out)
         mu_text_format(out, "stopped: the guard for %s\n", m->stopped);
     }
     m->out = NULL;
-    clips_text_as_written(out->at + start);
+    syntax_as_written(out->at + start);
     out->len = start + strlen(out->at + start);
     return done ? MU_OK : MU_MALFORMED;
 }
@@ -109,11 +109,11 @@ mu_result mind_line(struct mind *m, const char *line, struct mu_text *out)
 /* What a call into CLIPS changes of itself. */
 struct glance_before {
     uint64_t units, worked;
-    uint32_t allocations, diary_lost;
+    uint32_t allocations, trace_lost;
     const char *stopped;
     long memory_max;
     bool ring_unseen;
-    struct mu_text diary;
+    struct mu_text trace;
     long long next_fact;
     unsigned long long time_tag;
 };
@@ -126,8 +126,8 @@ static struct glance_before glance_begin(struct mind *m)
                                    .stopped = m->stopped,
                                    .memory_max = m->memory_max,
                                    .ring_unseen = m->inputs->ring_unseen,
-                                   .diary = m->diary,
-                                   .diary_lost = m->diary_lost,
+                                   .trace = m->trace,
+                                   .trace_lost = m->trace_lost,
                                    .next_fact = FactData(m->env)->NextFactIndex,
                                    .time_tag = DefruleData(m->env)->CurrentEntityTimeTag};
     environment_enter(m, CLIPS_MODE_LINE);
@@ -147,9 +147,9 @@ static void glance_end(struct mind *m, const struct glance_before *before)
     FactData(m->env)->NextFactIndex = before->next_fact;
     DefruleData(m->env)->CurrentEntityTimeTag = before->time_tag;
     m->inputs->ring_unseen = before->ring_unseen;
-    m->diary = before->diary;
-    m->diary.at[m->diary.len] = '\0';
-    m->diary_lost = before->diary_lost;
+    m->trace = before->trace;
+    m->trace.at[m->trace.len] = '\0';
+    m->trace_lost = before->trace_lost;
     m->cost.units = before->units;
     m->worked = before->worked;
     m->allocations = before->allocations;
@@ -199,7 +199,7 @@ mu_result mind_glance(struct mind *m, const char *line, struct mu_text *out)
     m->out = &sink;
     glance_end(m, &before);
     m->out = NULL;
-    clips_text_as_written(out->at + start);
+    syntax_as_written(out->at + start);
     out->len = start + strlen(out->at + start);
     return done ? MU_OK : MU_MALFORMED;
 }

@@ -27,7 +27,7 @@ static void env_install(struct mind *m)
     functions_install(m);
     load_install(m);
     EnvAddRunFunction(m->env, "mu-step", mind_after_rule, 0);
-    clips_diary_install(m);
+    trace_install(m);
     meter_install(m);
 }
 
@@ -55,8 +55,10 @@ struct mind *mind_reserve(void)
 /* What was there of another mind goes; its memory stays. */
 static void env_clear(struct mind *m)
 {
-    const struct mind before = {
-        .inputs = m->inputs, .output = m->output, .loader = m->loader, .places = m->places};
+    const struct mind before = {.inputs = m->inputs,
+                                .output = m->output,
+                                .loader = m->loader,
+                                .source_lines = m->source_lines};
     *m = before;
     *m->output = (struct mind_output){.asked = 0};
     facts_clear(m);
@@ -140,7 +142,7 @@ struct mind_travel mind_travel(struct mind *m)
 
 void mind_forgive(struct mind *m)
 {
-    clips_failure_clear(m);
+    failures_clear(m);
 }
 
 enum mind_wish mind_wish(struct mind *m, uint32_t *rules)
@@ -171,7 +173,7 @@ mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault)
     if (CLIPS_BROKEN(m)) {
         return mu_fault_at(fault, path, 0, 0, CLIPS_BROKEN_TEXT, m->lost);
     }
-    clips_failure_clear(m);
+    failures_clear(m);
     MU_TRY(load_file(m, path, fault));
     return load_begin(m, path, fault);
 }
@@ -181,7 +183,7 @@ mu_result mind_load_text(struct mind *m, const char *name, const char *text, str
     if (CLIPS_BROKEN(m)) {
         return mu_fault_at(fault, name, 0, 0, CLIPS_BROKEN_TEXT, m->lost);
     }
-    clips_failure_clear(m);
+    failures_clear(m);
     MU_TRY(load_text(m, name, text, fault));
     return load_begin(m, name, fault);
 }
@@ -193,7 +195,7 @@ mu_result mind_save(struct mind *m, struct mu_text *out, struct mu_fault *fault)
         return MU_REFUSED;
     }
     environment_enter(m, CLIPS_MODE_QUIET);
-    budget_start(m, CLIPS_MEMORY_SPARE);
+    budget_start(m, BUDGET_MEMORY_SPARE);
     mu_result r = snapshot_save(m, out, fault);
     environment_leave(m);
     return r;
@@ -203,19 +205,19 @@ mu_result mind_save(struct mind *m, struct mu_text *out, struct mu_fault *fault)
 static bool line_field(const char *field, struct mu_text *out)
 {
     const char *rest = field;
-    struct clips_field f = clips_text_field(&rest);
-    struct clips_field more = clips_text_field(&rest);
-    if (f.kind == CLIPS_FIELD_END || f.kind == CLIPS_FIELD_BAD || more.kind != CLIPS_FIELD_END) {
+    struct syntax_field f = syntax_read_field(&rest);
+    struct syntax_field more = syntax_read_field(&rest);
+    if (f.kind == SYNTAX_FIELD_END || f.kind == SYNTAX_FIELD_BAD || more.kind != SYNTAX_FIELD_END) {
         return false;
     }
-    if (f.kind == CLIPS_FIELD_SYMBOL) {
+    if (f.kind == SYNTAX_FIELD_SYMBOL) {
         char word[256];
         if (f.len >= sizeof word) {
             return false;
         }
         memcpy(word, f.at, f.len);
         word[f.len] = '\0';
-        clips_text_add_symbol(out, word);
+        syntax_add_symbol(out, word);
     } else {
         mu_text_add(out, field);
     }
@@ -266,12 +268,12 @@ mu_result mind_restore(struct mind *m, const char *capsule, size_t len, struct m
     return name_set(m, name);
 }
 
-void mind_diary(struct mind *m, struct mu_text *out)
+void mind_trace(struct mind *m, struct mu_text *out)
 {
-    mu_text_add_bytes(out, m->diary.at, m->diary.len);
-    if (m->diary_lost > 0) {
-        mu_text_format(out, "~ %u\n", m->diary_lost);
+    mu_text_add_bytes(out, m->trace.at, m->trace.len);
+    if (m->trace_lost > 0) {
+        mu_text_format(out, "~ %u\n", m->trace_lost);
     }
-    m->diary_lost = 0;
-    mu_text_clear(&m->diary);
+    m->trace_lost = 0;
+    mu_text_clear(&m->trace);
 }

@@ -239,9 +239,9 @@ void mind_words(struct mind *m, struct mu_text *out);
 
 /**
  * Adds what went on since this was asked last, in the lines of docs/observing.md; nothing unless
- * the options want a diary.  At most 16 KiB; lines without room are counted in the last one.
+ * the options want a trace.  At most 16 KiB; lines without room are counted in the last one.
  */
-void mind_diary(struct mind *m, struct mu_text *out);
+void mind_trace(struct mind *m, struct mu_text *out);
 
 /** Writes what it wants: the words of its youngest fact (goal ...); "": it has none. */
 void mind_goal(struct mind *m, char goal[MU_FIELD_MAX + 1]);

@@ -17,7 +17,7 @@ static uint32_t fire_some(struct mind *m, uint32_t budget, bool *failed)
     environment_leave(m);
     *failed = halted;
     if (halted) {
-        clips_failure_note(m);
+        failures_note(m);
     }
     if (m->said.len > 0 || halted) {
         complaint_show(m, "rule", m->rule ? m->rule : "?");
@@ -84,7 +84,7 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act)
     m->output->act.enough = m->enough ? m->reason : NULL;
     m->enough = false;
     m->output->act.rules = m->fired.at;
-    clips_diary_agenda(m);
+    trace_agenda(m);
     *act = m->output->act;
     m->output->act = (struct mind_act){.drives = false};
 }
@@ -98,7 +98,7 @@ void mind_percept(struct mind *m, const struct mu_percept *percept)
     environment_enter(m, CLIPS_MODE_QUIET);
     budget_start(m, 0);
     EnvIncrementGCLocks(m->env); /* nothing built here may go before it stands in a fact */
-    clips_diary_cause(m, 'S', "", "");
+    trace_cause(m, 'S', "", "");
     percept_take(m, percept);
     events_assert(m);
     messages_age(m);
@@ -172,7 +172,7 @@ mu_result mind_take_mail(struct mind *m, const struct mind_mail *mail)
     }
     environment_enter(m, CLIPS_MODE_QUIET);
     budget_start(m, 0);
-    clips_diary_mail(m, mail);
+    trace_mail(m, mail);
     mu_result r = mailbox_take(m, mail);
     environment_leave(m);
     return r;
@@ -207,7 +207,7 @@ void mind_observe(struct mind *m, uint64_t time_ns, const char *const *relations
 
 mu_result mind_tell(struct mind *m, const char *fact)
 {
-    if (clips_text_check(fact) || CLIPS_BROKEN(m)) {
+    if (syntax_check(fact) || CLIPS_BROKEN(m)) {
         return MU_MALFORMED;
     }
     environment_enter(m, CLIPS_MODE_QUIET);

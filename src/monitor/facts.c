@@ -27,17 +27,17 @@ static void quoted_add(struct mu_text *t, const char *text)
 }
 
 /* In a fact that is told, these begin what is no constant. */
-static bool field_is_plain(const struct clips_field *f)
+static bool field_is_plain(const struct syntax_field *f)
 {
-    return f->kind != CLIPS_FIELD_BAD &&
-           (f->kind != CLIPS_FIELD_SYMBOL || !strchr("?$=:~&|", f->at[0]));
+    return f->kind != SYNTAX_FIELD_BAD &&
+           (f->kind != SYNTAX_FIELD_SYMBOL || !strchr("?$=:~&|", f->at[0]));
 }
 
 void facts_add_word(struct mu_text *t, const char *word)
 {
     const char *at = word;
-    struct clips_field f = clips_text_field(&at);
-    bool symbol = f.kind == CLIPS_FIELD_SYMBOL && f.len == strlen(word) && field_is_plain(&f);
+    struct syntax_field f = syntax_read_field(&at);
+    bool symbol = f.kind == SYNTAX_FIELD_SYMBOL && f.len == strlen(word) && field_is_plain(&f);
     if (symbol) {
         mu_text_add(t, word);
     } else if (word[0] == '\0') {
@@ -50,9 +50,9 @@ void facts_add_word(struct mu_text *t, const char *word)
 void facts_add_content(struct mu_text *t, const char *language, const char *content)
 {
     bool list = language[0] == '\0' || strcmp(language, "clips") == 0;
-    struct clips_field f;
+    struct syntax_field f;
     const char *at = content;
-    while (list && (f = clips_text_field(&at)).kind != CLIPS_FIELD_END) {
+    while (list && (f = syntax_read_field(&at)).kind != SYNTAX_FIELD_END) {
         list = field_is_plain(&f);
     }
     if (list) {
@@ -93,8 +93,8 @@ static double degrees(double rad)
 static struct mind_slot word(const char *slot, const char *text)
 {
     const char *at = text;
-    struct clips_field f = clips_text_field(&at);
-    bool symbol = f.kind == CLIPS_FIELD_SYMBOL && f.len == strlen(text) && field_is_plain(&f);
+    struct syntax_field f = syntax_read_field(&at);
+    bool symbol = f.kind == SYNTAX_FIELD_SYMBOL && f.len == strlen(text) && field_is_plain(&f);
     return (struct mind_slot){.name = slot,
                               .kind = symbol || !text[0] ? MIND_SLOT_SYMBOL : MIND_SLOT_STRING,
                               .word = text[0] ? text : "nil"};

@@ -167,7 +167,7 @@ void budget_start(struct mind *m, long memory_spare)
 {
     m->cost.units = m->worked = 0;
     m->stopped = NULL;
-    m->memory_max = CLIPS_MEMORY_MAX;
+    m->memory_max = BUDGET_MEMORY_MAX;
     if (memory_spare > 0 && EnvMemUsed(m->env) + memory_spare > m->memory_max) {
         m->memory_max = EnvMemUsed(m->env) + memory_spare;
     }
@@ -184,7 +184,7 @@ static void budget_note_rule(struct mind *m, const struct expr *actions)
         mu_text_add(&m->fired, " ");
     }
     mu_text_add(&m->fired, m->rule);
-    clips_diary_rule(m);
+    trace_rule(m);
 }
 
 /* Stands before EvaluateProcActions, through which every body of a rule, function, method and
@@ -201,8 +201,8 @@ void budget_evaluate_actions(void *env, struct defmodule *module, struct expr *a
         return;
     }
     budget_note_rule(m, actions);
-    bool deep = EvaluationData(env)->CurrentEvaluationDepth > CLIPS_DEPTH_MAX ||
-                (m->stack && m->stack - here > CLIPS_STACK_MAX);
+    bool deep = EvaluationData(env)->CurrentEvaluationDepth > BUDGET_DEPTH_MAX ||
+                (m->stack && m->stack - here > BUDGET_STACK_MAX);
     if (!deep) {
         EvaluateProcActions(env, module, actions, variables, result, end);
         return;

@@ -18,7 +18,7 @@ static bool fire_was_shown(struct mind *m, const char *text)
             return true;
         }
     }
-    if (m->shown_count == CLIPS_SHOWN_MAX) {
+    if (m->shown_count == COMPLAINT_SHOWN_MAX) {
         return true;
     }
     m->shown[m->shown_count++] = hash;
@@ -54,13 +54,13 @@ static void complaint_add(struct mu_text *line, const char *said)
 
 void complaint_show(struct mind *m, const char *kind, const char *name)
 {
-    char bytes[CLIPS_SAID_MAX];
+    char bytes[ENVIRONMENT_SAID_MAX];
     struct mu_text line;
     mu_text_init(&line, bytes, sizeof bytes);
     mu_text_format(&line, "%s %s", kind, name);
-    clips_place_add(m, name, &line);
+    source_lines_add(m, name, &line);
     mu_text_add(&line, ": ");
-    clips_text_as_written(m->said.at);
+    syntax_as_written(m->said.at);
     complaint_cut(m->said.at, kind);
     size_t start = line.len;
     complaint_add(&line, m->said.at);

@@ -19,32 +19,32 @@
 #include <tmpltutl.h>
 
 enum {
-    CLIPS_DEPTH_MAX = 1000,         /* functions that have not returned */
-    CLIPS_STACK_MAX = 3 << 20,      /* bytes of stack below the entry */
-    CLIPS_MEMORY_MAX = 64 << 20,    /* bytes that CLIPS holds */
-    CLIPS_MEMORY_BURST = 384 << 20, /* more is not given to it, even in the middle of one call */
-    CLIPS_FAILING_MAX = 64,         /* different rules whose failures are counted */
-    CLIPS_MEMORY_SPARE = 8 << 20,   /* more of them for a line, so that a person can tidy up */
-    CLIPS_PRINT_MAX = 64 * 1024,    /* bytes that one step may print */
-    CLIPS_LINE_MAX = 16384,         /* bytes of a console line */
-    CLIPS_SAID_MAX = 2048,          /* bytes kept of an error */
-    STEP_FIRED_MAX = 8192,          /* bytes of names of the rules fired in a step */
-    CLIPS_SHOWN_MAX = 64,           /* different errors of rules that were shown */
-    CLIPS_DIARY_MAX = 16384,        /* bytes of what went on in a step, for recordings */
-    CLIPS_DIARY_AGENDA = 32,        /* activations in it */
-    CLIPS_DIARY_LINE = 1024,        /* bytes of a person's line in it */
+    BUDGET_DEPTH_MAX = 1000,           /* functions that have not returned */
+    BUDGET_STACK_MAX = 3 << 20,        /* bytes of stack below the entry */
+    BUDGET_MEMORY_MAX = 64 << 20,      /* bytes that CLIPS holds */
+    BUDGET_MEMORY_BURST = 384 << 20,   /* more is not given to it, even in the middle of one call */
+    FAILURES_MAX = 64,                 /* different rules whose failures are counted */
+    BUDGET_MEMORY_SPARE = 8 << 20,     /* more of them for a line, so that a person can tidy up */
+    ENVIRONMENT_PRINT_MAX = 64 * 1024, /* bytes that one step may print */
+    ENVIRONMENT_LINE_MAX = 16384,      /* bytes of a console line */
+    ENVIRONMENT_SAID_MAX = 2048,       /* bytes kept of an error */
+    STEP_FIRED_MAX = 8192,             /* bytes of names of the rules fired in a step */
+    COMPLAINT_SHOWN_MAX = 64,          /* different errors of rules that were shown */
+    TRACE_MAX = 16384,                 /* bytes of what went on in a step, for recordings */
+    TRACE_AGENDA = 32,                 /* activations in it */
+    TRACE_LINE = 1024,                 /* bytes of a person's line in it */
 };
 
 /* Where what CLIPS prints goes. */
 enum clips_mode { CLIPS_MODE_QUIET, CLIPS_MODE_FIRE, CLIPS_MODE_LINE };
 
 /* How often a rule has failed. */
-struct clips_failing {
+struct failures_line {
     char rule[MU_FIELD_MAX + 1]; /* its name, or how that begins */
     uint32_t count;
 };
 
-struct clips_places; /* clips_place.c */
+struct source_lines; /* clips_place.c */
 
 enum { HEAP_SIZES = 16 }; /* of small blocks */
 
@@ -55,19 +55,19 @@ struct heap {
 };
 
 /* Globals that C code reads; clips_env.c says what they are. */
-enum clips_global {
-    CLIPS_SONAR_MARGIN,
-    CLIPS_SONAR_CLIP,
-    CLIPS_FOLLOW_DISTANCE,
-    CLIPS_CARE,
-    CLIPS_GLOBALS
+enum environment_number {
+    ENVIRONMENT_SONAR_MARGIN,
+    ENVIRONMENT_SONAR_CLIP,
+    ENVIRONMENT_FOLLOW_DISTANCE,
+    ENVIRONMENT_CARE,
+    ENVIRONMENT_NUMBERS
 };
 
-/* What a fact that is asserted now is to the diary. */
-enum clips_diary_fact {
-    CLIPS_DIARY_CAUSED, /* of the cause above it */
-    CLIPS_DIARY_SENSED, /* of this step's percept */
-    CLIPS_DIARY_SHOWN   /* of a percept before: somebody looks now, who is not its cause */
+/* What a fact that is asserted now is to the trace. */
+enum trace_fact {
+    TRACE_CAUSED, /* of the cause above it */
+    TRACE_SENSED, /* of this step's percept */
+    TRACE_SHOWN   /* of a percept before: somebody looks now, who is not its cause */
 };
 
 /*
@@ -84,9 +84,9 @@ struct mind {
     struct heap heap;
     struct mind_options options;
     char name[MU_NAME_MAX + 1], folder[PATH_MAX], file[PATH_MAX]; /* that the options point to */
-    struct defglobal *globals[CLIPS_GLOBALS];
-    DATA_OBJECT kept[2];         /* values of ?*my-name* and ?*mate* while (reset) runs */
-    struct clips_places *places; /* of what was loaded */
+    struct defglobal *globals[ENVIRONMENT_NUMBERS];
+    DATA_OBJECT kept[2];               /* values of ?*my-name* and ?*mate* while (reset) runs */
+    struct source_lines *source_lines; /* of what was loaded */
 
     /* what fires */
     char fired_bytes[STEP_FIRED_MAX];
@@ -104,7 +104,7 @@ struct mind {
     uint32_t allocations; /* of CLIPS, so far */
     const char *broken;   /* which guard: its environment is gone; NULL: it is not */
     char lost[224];       /* why, in words */
-    struct clips_failing failing[CLIPS_FAILING_MAX];
+    struct failures_line failing[FAILURES_MAX];
     size_t failing_count;
     uint64_t stops; /* by guards */
     char reason[MU_ATTRIBUTES_MAX + 1];
@@ -114,16 +114,16 @@ struct mind {
     enum clips_mode mode;
     struct mu_text *out; /* of a line */
     size_t printed;
-    char said_bytes[CLIPS_SAID_MAX];
+    char said_bytes[ENVIRONMENT_SAID_MAX];
     struct mu_text said; /* errors and warnings of this call */
-    uint64_t shown[CLIPS_SHOWN_MAX];
+    uint64_t shown[COMPLAINT_SHOWN_MAX];
     size_t shown_count;
 
     /* for recordings */
-    char diary_bytes[CLIPS_DIARY_MAX];
-    struct mu_text diary;
-    uint32_t diary_lost; /* lines for which there was no room */
-    enum clips_diary_fact diary_fact;
+    char trace_bytes[TRACE_MAX];
+    struct mu_text trace;
+    uint32_t trace_lost; /* lines for which there was no room */
+    enum trace_fact trace_fact;
 };
 
 /* environment.c */
@@ -152,7 +152,7 @@ struct mind *environment_entered(uint64_t *entries);
 void environment_each_module(struct mind *m, void *self, void (*visit)(struct mind *m, void *self));
 
 /** @return the number that a global is set to; its first value when it is set to none */
-double environment_global(const struct mind *m, enum clips_global which);
+double environment_global(const struct mind *m, enum environment_number which);
 
 /* heap.c */
 
@@ -201,14 +201,14 @@ void meter_install(struct mind *m);
 void meter_take(struct mind *m, struct meter *meter, DATA_OBJECT *value);
 
 /* clips_place.c */
-void clips_place_reserve(struct mind *m);
-void clips_place_install(struct mind *m);
+void source_lines_reserve(struct mind *m);
+void source_lines_install(struct mind *m);
 
 /** Notes where a construct stands; path NULL: it was typed, and an earlier one is forgotten. */
-void clips_place_note(struct mind *m, const char *form, const char *path, int line);
+void source_lines_note(struct mind *m, const char *form, const char *path, int line);
 
 /** Adds " (FILE:LINE)" where the construct of that name is from a file. */
-void clips_place_add(const struct mind *m, const char *name, struct mu_text *out);
+void source_lines_add(const struct mind *m, const char *name, struct mu_text *out);
 
 /* complaint.c */
 
@@ -218,76 +218,76 @@ void complaint_show(struct mind *m, const char *kind, const char *name);
 /* clips_failure.c */
 
 /** A rule has ended in an error, or was stopped: counts that, and says when it is enough. */
-void clips_failure_note(struct mind *m);
+void failures_note(struct mind *m);
 
-void clips_failure_clear(struct mind *m);
+void failures_clear(struct mind *m);
 
-/* clips_diary.c: each is nothing unless the options want a diary */
+/* trace.c: each is nothing unless the options want a trace */
 
-void clips_diary_install(struct mind *m);
+void trace_install(struct mind *m);
 
 /** What follows has this cause: kind is the line's letter; what and text may be "". */
-void clips_diary_cause(struct mind *m, char kind, const char *what, const char *text);
+void trace_cause(struct mind *m, char kind, const char *what, const char *text);
 
 /** Somebody's line is carried out: one form of it. */
-void clips_diary_line(struct mind *m, struct clips_form form);
+void trace_line(struct mind *m, struct syntax_form form);
 
-void clips_diary_mail(struct mind *m, const struct mind_mail *mail);
+void trace_mail(struct mind *m, const struct mind_mail *mail);
 
 /** m->rule fires, on what CLIPS has bound. */
-void clips_diary_rule(struct mind *m);
+void trace_rule(struct mind *m);
 
 /** The speed was set. */
-void clips_diary_speed(struct mind *m, double forward_m_s, double turn_rad_s);
+void trace_speed(struct mind *m, double forward_m_s, double turn_rad_s);
 
 /** A mail was handed to the port. */
-void clips_diary_told(struct mind *m, const struct mind_letter *letter);
+void trace_told(struct mind *m, const struct mind_letter *letter);
 
 /** What is left on the agenda when a step's firing has ended. */
-void clips_diary_agenda(struct mind *m);
+void trace_agenda(struct mind *m);
 
 /* value.c */
 
 /** Ends the call in a CLIPS error: "Function NAME expected WANTED". */
-void clips_value_refuse(void *env, const char *function, const char *wanted);
+void value_refuse(void *env, const char *function, const char *wanted);
 
 /** The same of one argument, counted from 1: "... expected WANTED as argument #1, and got GOT". */
-void clips_value_refuse_argument(void *env, const char *function, int index, const char *wanted,
-                                 const DATA_OBJECT *got);
+void value_refuse_argument(void *env, const char *function, int index, const char *wanted,
+                           const DATA_OBJECT *got);
 
-void clips_value_bool(void *env, DATA_OBJECT *out, bool value);
-void clips_value_float(void *env, DATA_OBJECT *out, double value);
-void clips_value_integer(void *env, DATA_OBJECT *out, long long value);
-void clips_value_symbol(void *env, DATA_OBJECT *out, const char *value);
-void clips_value_multifield(DATA_OBJECT *out, struct multifield *fields);
-void clips_value_floats(void *env, DATA_OBJECT *out, size_t count, const double *values);
-void clips_value_set_float(void *env, struct multifield *fields, size_t index, double value);
-void clips_value_set_symbol(void *env, struct multifield *fields, size_t index, const char *value);
+void value_bool(void *env, DATA_OBJECT *out, bool value);
+void value_float(void *env, DATA_OBJECT *out, double value);
+void value_integer(void *env, DATA_OBJECT *out, long long value);
+void value_symbol(void *env, DATA_OBJECT *out, const char *value);
+void value_multifield(DATA_OBJECT *out, struct multifield *fields);
+void value_floats(void *env, DATA_OBJECT *out, size_t count, const double *values);
+void value_set_float(void *env, struct multifield *fields, size_t index, double value);
+void value_set_symbol(void *env, struct multifield *fields, size_t index, const char *value);
 
 /** A symbol, or the empty string. */
-void clips_value_set_word(void *env, struct multifield *fields, size_t index, const char *value);
+void value_set_word(void *env, struct multifield *fields, size_t index, const char *value);
 
 /** Evaluates an argument; counted from 1. @return false: it ended in an error */
-bool clips_value_any(void *env, int index, DATA_OBJECT *out);
+bool value_any(void *env, int index, DATA_OBJECT *out);
 
 /** Evaluates an argument that must be a number; else a CLIPS error. */
-bool clips_value_number(void *env, const char *function, int index, double *out);
+bool value_number(void *env, const char *function, int index, double *out);
 
-/** As clips_value_number, for the first count arguments. */
-bool clips_value_numbers(void *env, const char *function, int count, double *out);
+/** As value_number, for the first count arguments. */
+bool value_numbers(void *env, const char *function, int count, double *out);
 
 /** Evaluates an argument that must be a whole number. */
-bool clips_value_whole(void *env, const char *function, int index, long long *out);
+bool value_whole(void *env, const char *function, int index, long long *out);
 
 /** Evaluates an argument that must be a symbol or a string. */
-bool clips_value_word(void *env, const char *function, int index, const char **out);
+bool value_word(void *env, const char *function, int index, const char **out);
 
 /** Adds what a pattern has matched: 12, a fact's index; [ball], an instance; *, nothing is there.
  */
-void clips_value_add_match(struct mu_text *out, const struct alphaMatch *match);
+void value_add_match(struct mu_text *out, const struct alphaMatch *match);
 
 /** @return the number that a field is; 0 when it is none */
-double clips_value_of(unsigned short type, const void *value);
+double value_of(unsigned short type, const void *value);
 
 /** Degrees of a radian. */
 #define VALUE_DEG (180 / 3.14159265358979323846)

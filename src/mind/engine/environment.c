@@ -81,11 +81,11 @@ static int env_route_query(void *env, const char *name)
 static void env_print(struct mind *m, const char *text)
 {
     size_t len = strlen(text);
-    if (m->printed > CLIPS_PRINT_MAX || !m->options.ports.print) {
+    if (m->printed > ENVIRONMENT_PRINT_MAX || !m->options.ports.print) {
         return;
     }
     m->printed += len;
-    if (m->printed > CLIPS_PRINT_MAX) {
+    if (m->printed > ENVIRONMENT_PRINT_MAX) {
         text = "\n[MUSTER3] more than 64 KiB printed in one step: the rest is left out\n";
     }
     m->options.ports.print(m->options.ports.self, text);
@@ -221,18 +221,18 @@ static void env_restore_globals(void *env)
 static const struct {
     const char *name;
     long long value_mm;
-} env_globals[CLIPS_GLOBALS] = {
-    [CLIPS_SONAR_MARGIN] = {"sonar-margin", 250},
-    [CLIPS_SONAR_CLIP] = {"sonar-clip", 500},
-    [CLIPS_FOLLOW_DISTANCE] = {"follow-distance", 1000},
-    [CLIPS_CARE] = {"care", 1100},
+} env_globals[ENVIRONMENT_NUMBERS] = {
+    [ENVIRONMENT_SONAR_MARGIN] = {"sonar-margin", 250},
+    [ENVIRONMENT_SONAR_CLIP] = {"sonar-clip", 500},
+    [ENVIRONMENT_FOLLOW_DISTANCE] = {"follow-distance", 1000},
+    [ENVIRONMENT_CARE] = {"care", 1100},
 };
 
-double environment_global(const struct mind *m, enum clips_global which)
+double environment_global(const struct mind *m, enum environment_number which)
 {
     const DATA_OBJECT *value = &m->globals[which]->current;
     bool number = value->type == FLOAT || value->type == INTEGER;
-    return number ? clips_value_of(value->type, value->value) : (double)env_globals[which].value_mm;
+    return number ? value_of(value->type, value->value) : (double)env_globals[which].value_mm;
 }
 
 void environment_install(struct mind *m)
@@ -255,12 +255,12 @@ bool environment_build(struct mind *m)
     struct mu_text globals;
     mu_text_init(&globals, bytes, sizeof bytes);
     mu_text_format(&globals, "(defglobal ?*my-name* = %s ?*mate* = nil", m->options.name);
-    for (size_t i = 0; i < CLIPS_GLOBALS; i++) {
+    for (size_t i = 0; i < ENVIRONMENT_NUMBERS; i++) {
         mu_text_format(&globals, " ?*%s* = %lld", env_globals[i].name, env_globals[i].value_mm);
     }
     mu_text_add(&globals, ")");
     bool built = EnvBuild(m->env, globals.at);
-    for (size_t i = 0; i < CLIPS_GLOBALS && built; i++) {
+    for (size_t i = 0; i < ENVIRONMENT_NUMBERS && built; i++) {
         m->globals[i] = EnvFindDefglobal(m->env, env_globals[i].name);
         m->globals[i]->busyCount++;
     }

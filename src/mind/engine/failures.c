@@ -5,32 +5,32 @@
 #include <stdio.h>
 #include <string.h>
 
-void clips_failure_clear(struct mind *m)
+void failures_clear(struct mind *m)
 {
     m->failing_count = 0;
 }
 
 /* @return the line of a rule; NULL: so many others have failed that it gets none */
-static struct clips_failing *failure_line(struct mind *m, const char *rule)
+static struct failures_line *failure_line(struct mind *m, const char *rule)
 {
     for (size_t i = 0; i < m->failing_count; i++) {
         if (strcmp(m->failing[i].rule, rule) == 0) {
             return &m->failing[i];
         }
     }
-    if (m->failing_count == CLIPS_FAILING_MAX) {
+    if (m->failing_count == FAILURES_MAX) {
         return NULL;
     }
-    struct clips_failing *line = &m->failing[m->failing_count++];
+    struct failures_line *line = &m->failing[m->failing_count++];
     mu_text_copy(line->rule, sizeof line->rule, rule);
     line->count = 0;
     return line;
 }
 
-void clips_failure_note(struct mind *m)
+void failures_note(struct mind *m)
 {
     const char *rule = m->rule ? m->rule : "?";
-    struct clips_failing *line = failure_line(m, rule);
+    struct failures_line *line = failure_line(m, rule);
     uint32_t most = m->options.failures_max;
     if (m->stopped) {
         m->stops++;

@@ -134,7 +134,7 @@ void *heap_take(void *env, size_t bytes)
 {
     struct mind *m = heap_mind(env);
     struct heap *h = &m->heap;
-    bool fits = bytes <= CLIPS_MEMORY_BURST && h->held + bytes <= CLIPS_MEMORY_BURST;
+    bool fits = bytes <= BUDGET_MEMORY_BURST && h->held + bytes <= BUDGET_MEMORY_BURST;
     if (m->sheltered && !fits) {
         return NULL;
     }

@@ -12,32 +12,32 @@ struct place {
     int file, line; /* file < 0: of no file */
 };
 
-struct clips_places {
+struct source_lines {
     struct place at[PLACES_MAX];
     size_t count;
     char files[PLACE_FILES_MAX][MU_FAULT_FILE_MAX + 1];
     int file_count;
 };
 
-void clips_place_reserve(struct mind *m)
+void source_lines_reserve(struct mind *m)
 {
-    m->places = mu_startup_alloc(sizeof *m->places);
+    m->source_lines = mu_startup_alloc(sizeof *m->source_lines);
 }
 
-void clips_place_install(struct mind *m)
+void source_lines_install(struct mind *m)
 {
-    m->places->count = 0;
-    m->places->file_count = 0;
+    m->source_lines->count = 0;
+    m->source_lines->file_count = 0;
 }
 
 /* Takes the second word of a form, without its module.  @return false: it has none that fits */
 static bool place_name(const char *form, char name[MU_FIELD_MAX + 1])
 {
     const char *at = form + 1;
-    struct clips_field kind = clips_text_field(&at);
-    struct clips_field word = clips_text_field(&at);
-    if (kind.kind != CLIPS_FIELD_SYMBOL || kind.len < 4 || strncmp(kind.at, "def", 3) != 0 ||
-        word.kind != CLIPS_FIELD_SYMBOL || word.len > MU_FIELD_MAX) {
+    struct syntax_field kind = syntax_read_field(&at);
+    struct syntax_field word = syntax_read_field(&at);
+    if (kind.kind != SYNTAX_FIELD_SYMBOL || kind.len < 4 || strncmp(kind.at, "def", 3) != 0 ||
+        word.kind != SYNTAX_FIELD_SYMBOL || word.len > MU_FIELD_MAX) {
         return false;
     }
     memcpy(name, word.at, word.len);
@@ -49,7 +49,7 @@ static bool place_name(const char *form, char name[MU_FIELD_MAX + 1])
     return true;
 }
 
-static struct place *place_find(struct clips_places *p, const char *name)
+static struct place *place_find(struct source_lines *p, const char *name)
 {
     for (size_t i = 0; i < p->count; i++) {
         if (strcmp(p->at[i].name, name) == 0) {
@@ -60,7 +60,7 @@ static struct place *place_find(struct clips_places *p, const char *name)
 }
 
 /* @return the number of a file; -1: there is no room */
-static int place_file(struct clips_places *p, const char *path)
+static int place_file(struct source_lines *p, const char *path)
 {
     for (int i = 0; i < p->file_count; i++) {
         if (strcmp(p->files[i], path) == 0) {
@@ -74,9 +74,9 @@ static int place_file(struct clips_places *p, const char *path)
     return p->file_count++;
 }
 
-void clips_place_note(struct mind *m, const char *form, const char *path, int line)
+void source_lines_note(struct mind *m, const char *form, const char *path, int line)
 {
-    struct clips_places *p = m->places;
+    struct source_lines *p = m->source_lines;
     char name[MU_FIELD_MAX + 1];
     if (!place_name(form, name)) {
         return;
@@ -92,10 +92,10 @@ void clips_place_note(struct mind *m, const char *form, const char *path, int li
     }
 }
 
-void clips_place_add(const struct mind *m, const char *name, struct mu_text *out)
+void source_lines_add(const struct mind *m, const char *name, struct mu_text *out)
 {
-    const struct place *place = place_find(m->places, name);
+    const struct place *place = place_find(m->source_lines, name);
     if (place && place->file >= 0) {
-        mu_text_format(out, " (%s:%d)", m->places->files[place->file], place->line);
+        mu_text_format(out, " (%s:%d)", m->source_lines->files[place->file], place->line);
     }
 }

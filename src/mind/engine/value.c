@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-void clips_value_refuse(void *env, const char *function, const char *wanted)
+void value_refuse(void *env, const char *function, const char *wanted)
 {
     PrintErrorID(env, "MUSTER", 1, FALSE);
     EnvPrintRouter(env, WERROR, "Function ");
@@ -35,42 +35,42 @@ static void value_describe(void *env, const DATA_OBJECT *value, struct mu_text *
     (void)env;
 }
 
-void clips_value_refuse_argument(void *env, const char *function, int index, const char *wanted,
-                                 const DATA_OBJECT *got)
+void value_refuse_argument(void *env, const char *function, int index, const char *wanted,
+                           const DATA_OBJECT *got)
 {
     char bytes[256];
     struct mu_text text;
     mu_text_init(&text, bytes, sizeof bytes);
     mu_text_format(&text, "%s as argument #%d, and got ", wanted, index);
     value_describe(env, got, &text);
-    clips_value_refuse(env, function, bytes);
+    value_refuse(env, function, bytes);
 }
 
-void clips_value_bool(void *env, DATA_OBJECT *out, bool value)
+void value_bool(void *env, DATA_OBJECT *out, bool value)
 {
     out->type = SYMBOL;
     out->value = value ? EnvTrueSymbol(env) : EnvFalseSymbol(env);
 }
 
-void clips_value_float(void *env, DATA_OBJECT *out, double value)
+void value_float(void *env, DATA_OBJECT *out, double value)
 {
     out->type = FLOAT;
     out->value = EnvAddDouble(env, value);
 }
 
-void clips_value_integer(void *env, DATA_OBJECT *out, long long value)
+void value_integer(void *env, DATA_OBJECT *out, long long value)
 {
     out->type = INTEGER;
     out->value = EnvAddLong(env, value);
 }
 
-void clips_value_symbol(void *env, DATA_OBJECT *out, const char *value)
+void value_symbol(void *env, DATA_OBJECT *out, const char *value)
 {
     out->type = SYMBOL;
     out->value = EnvAddSymbol(env, value);
 }
 
-void clips_value_multifield(DATA_OBJECT *out, struct multifield *fields)
+void value_multifield(DATA_OBJECT *out, struct multifield *fields)
 {
     out->type = MULTIFIELD;
     out->value = fields;
@@ -78,40 +78,40 @@ void clips_value_multifield(DATA_OBJECT *out, struct multifield *fields)
     out->end = fields->multifieldLength - 1;
 }
 
-void clips_value_set_float(void *env, struct multifield *fields, size_t index, double value)
+void value_set_float(void *env, struct multifield *fields, size_t index, double value)
 {
     fields->theFields[index].type = FLOAT;
     fields->theFields[index].value = EnvAddDouble(env, value);
 }
 
-void clips_value_set_symbol(void *env, struct multifield *fields, size_t index, const char *value)
+void value_set_symbol(void *env, struct multifield *fields, size_t index, const char *value)
 {
     fields->theFields[index].type = SYMBOL;
     fields->theFields[index].value = EnvAddSymbol(env, value);
 }
 
-void clips_value_set_word(void *env, struct multifield *fields, size_t index, const char *value)
+void value_set_word(void *env, struct multifield *fields, size_t index, const char *value)
 {
-    clips_value_set_symbol(env, fields, index, value);
+    value_set_symbol(env, fields, index, value);
     fields->theFields[index].type = value[0] ? SYMBOL : STRING;
 }
 
-void clips_value_floats(void *env, DATA_OBJECT *out, size_t count, const double *values)
+void value_floats(void *env, DATA_OBJECT *out, size_t count, const double *values)
 {
     struct multifield *fields = EnvCreateMultifield(env, (long)count);
     for (size_t i = 0; i < count; i++) {
-        clips_value_set_float(env, fields, i, values[i]);
+        value_set_float(env, fields, i, values[i]);
     }
-    clips_value_multifield(out, fields);
+    value_multifield(out, fields);
 }
 
-bool clips_value_any(void *env, int index, DATA_OBJECT *out)
+bool value_any(void *env, int index, DATA_OBJECT *out)
 {
     EnvRtnUnknown(env, index, out);
     return !GetEvaluationError(env) && !GetHaltExecution(env);
 }
 
-double clips_value_of(unsigned short type, const void *value)
+double value_of(unsigned short type, const void *value)
 {
     if (type == FLOAT) {
         return ((const struct floatHashNode *)value)->contents;
@@ -119,34 +119,34 @@ double clips_value_of(unsigned short type, const void *value)
     return type == INTEGER ? (double)((const struct integerHashNode *)value)->contents : 0;
 }
 
-bool clips_value_number(void *env, const char *function, int index, double *out)
+bool value_number(void *env, const char *function, int index, double *out)
 {
     DATA_OBJECT value;
-    if (!clips_value_any(env, index, &value)) {
+    if (!value_any(env, index, &value)) {
         return false;
     }
     if (value.type != INTEGER && value.type != FLOAT) {
-        clips_value_refuse_argument(env, function, index, "a number", &value);
+        value_refuse_argument(env, function, index, "a number", &value);
         return false;
     }
-    *out = clips_value_of(value.type, value.value);
+    *out = value_of(value.type, value.value);
     return true;
 }
 
-bool clips_value_numbers(void *env, const char *function, int count, double *out)
+bool value_numbers(void *env, const char *function, int count, double *out)
 {
     for (int i = 0; i < count; i++) {
-        if (!clips_value_number(env, function, i + 1, &out[i])) {
+        if (!value_number(env, function, i + 1, &out[i])) {
             return false;
         }
     }
     return true;
 }
 
-bool clips_value_whole(void *env, const char *function, int index, long long *out)
+bool value_whole(void *env, const char *function, int index, long long *out)
 {
     DATA_OBJECT value;
-    if (!clips_value_any(env, index, &value)) {
+    if (!value_any(env, index, &value)) {
         return false;
     }
     if (value.type == FLOAT && ValueToDouble(value.value) == rint(ValueToDouble(value.value)) &&
@@ -155,14 +155,14 @@ bool clips_value_whole(void *env, const char *function, int index, long long *ou
         return true;
     }
     if (value.type != INTEGER) {
-        clips_value_refuse_argument(env, function, index, "a whole number", &value);
+        value_refuse_argument(env, function, index, "a whole number", &value);
         return false;
     }
     *out = ((struct integerHashNode *)value.value)->contents;
     return true;
 }
 
-void clips_value_add_match(struct mu_text *out, const struct alphaMatch *match)
+void value_add_match(struct mu_text *out, const struct alphaMatch *match)
 {
     const struct patternEntity *item = match ? match->matchingItem : NULL;
     if (!item) {
@@ -175,14 +175,14 @@ void clips_value_add_match(struct mu_text *out, const struct alphaMatch *match)
     }
 }
 
-bool clips_value_word(void *env, const char *function, int index, const char **out)
+bool value_word(void *env, const char *function, int index, const char **out)
 {
     DATA_OBJECT value;
-    if (!clips_value_any(env, index, &value)) {
+    if (!value_any(env, index, &value)) {
         return false;
     }
     if (value.type != SYMBOL && value.type != STRING) {
-        clips_value_refuse_argument(env, function, index, "a word or a string", &value);
+        value_refuse_argument(env, function, index, "a word or a string", &value);
         return false;
     }
     *out = ValueToString(value.value);

@@ -17,7 +17,7 @@ static void event_fact(struct mind *m, const char *const *words, size_t count, s
     EnvIncrementGCLocks(m->env); /* nothing built here may go before it stands in a fact */
     struct multifield *fields = CreateMultifield2(m->env, (long)count);
     for (size_t i = 0; i < count; i++) {
-        clips_value_set_symbol(m->env, fields, i, words[i]);
+        value_set_symbol(m->env, fields, i, words[i]);
     }
     *fact = fact_assert(m, m->inputs->event, fields);
     EnvDecrementGCLocks(m->env);
@@ -36,7 +36,7 @@ void events_assert(struct mind *m)
         bool pending = m->inputs->pending[i];
         m->inputs->pending[i] = false;
         if (pending && is_of_interest(m, i)) {
-            clips_diary_cause(m, 'E', event_names[i], "");
+            trace_cause(m, 'E', event_names[i], "");
             event_fact(m, &event_names[i], 1, &m->inputs->events[i]);
         }
     }

@@ -12,46 +12,46 @@ void mailbox_install(struct mind *m)
     mail_ring_install(m);
 }
 
-static void field_set(struct mind *m, struct field *to, struct clips_field f)
+static void field_set(struct mind *m, struct field *to, struct syntax_field f)
 {
     memcpy(m->inputs->scratch, f.at, f.len);
     m->inputs->scratch[f.len] = '\0';
     switch (f.kind) {
-    case CLIPS_FIELD_INTEGER:
+    case SYNTAX_FIELD_INTEGER:
         to->type = INTEGER;
         to->value = EnvAddLong(m->env, f.integer);
         break;
-    case CLIPS_FIELD_FLOAT:
+    case SYNTAX_FIELD_FLOAT:
         to->type = FLOAT;
         to->value = EnvAddDouble(m->env, f.real);
         break;
-    case CLIPS_FIELD_STRING:
-        clips_text_unescape(m->inputs->scratch, f.at, f.len);
+    case SYNTAX_FIELD_STRING:
+        syntax_unescape(m->inputs->scratch, f.at, f.len);
         to->type = STRING;
         to->value = EnvAddSymbol(m->env, m->inputs->scratch);
         break;
-    case CLIPS_FIELD_INSTANCE:
-    case CLIPS_FIELD_SYMBOL:
-        to->type = f.kind == CLIPS_FIELD_SYMBOL ? SYMBOL : INSTANCE_NAME;
+    case SYNTAX_FIELD_INSTANCE:
+    case SYNTAX_FIELD_SYMBOL:
+        to->type = f.kind == SYNTAX_FIELD_SYMBOL ? SYMBOL : INSTANCE_NAME;
         to->value = EnvAddSymbol(m->env, m->inputs->scratch);
         break;
-    case CLIPS_FIELD_END:
-    case CLIPS_FIELD_BAD: break;
+    case SYNTAX_FIELD_END:
+    case SYNTAX_FIELD_BAD: break;
     }
 }
 
 /* @return the content's fields, typed; NULL: it is no list of fields */
 static struct multifield *mail_fields(struct mind *m, const char *content)
 {
-    struct clips_field few[MAIL_FIELDS_FEW]; /* what most mails have is read once */
+    struct syntax_field few[MAIL_FIELDS_FEW]; /* what most mails have is read once */
     long count = 0;
-    struct clips_field f;
+    struct syntax_field f;
     if (strnlen(content, MU_CONTENT_MAX + 1) > MU_CONTENT_MAX) {
         return NULL;
     }
     const char *behind = content;
-    for (const char *at = content; (f = clips_text_field(&at)).kind != CLIPS_FIELD_END; count++) {
-        if (f.kind == CLIPS_FIELD_BAD) {
+    for (const char *at = content; (f = syntax_read_field(&at)).kind != SYNTAX_FIELD_END; count++) {
+        if (f.kind == SYNTAX_FIELD_BAD) {
             return NULL;
         }
         if (count < MAIL_FIELDS_FEW) {
@@ -62,7 +62,7 @@ static struct multifield *mail_fields(struct mind *m, const char *content)
     struct multifield *fields = CreateMultifield2(m->env, count);
     for (long i = 0; i < count; i++) {
         field_set(m, &fields->theFields[i],
-                  i < MAIL_FIELDS_FEW ? few[i] : clips_text_field(&behind));
+                  i < MAIL_FIELDS_FEW ? few[i] : syntax_read_field(&behind));
     }
     return fields;
 }
@@ -210,7 +210,7 @@ static void getmsg_answer(void *env, const struct field *from, const struct mult
     struct multifield *fields = EnvCreateMultifield(env, count + 1);
     fields->theFields[0] = *from;
     memcpy(&fields->theFields[1], content->theFields, (size_t)count * sizeof content->theFields[0]);
-    clips_value_multifield(out, fields);
+    value_multifield(out, fields);
 }
 
 /* @return the number of a mail fact; rules may have put anything in its slot */

@@ -53,7 +53,7 @@ void messages_age(struct mind *m)
 {
     struct messages *all = m->inputs->messages;
     while (all->oldest && m->inputs->step - all->at[all->oldest].step >= MESSAGES_STEPS) {
-        clips_diary_cause(m, 'E', "age", "");
+        trace_cause(m, 'E', "age", "");
         message_remove(m, all->oldest);
     }
 }

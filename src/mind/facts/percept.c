@@ -10,7 +10,7 @@ static struct fact *percept_position(struct mind *m)
     sensors_set_position(&m->inputs->percept, values);
     struct multifield *fields = CreateMultifield2(m->env, 7);
     for (size_t i = 0; i < 6; i++) {
-        clips_value_set_float(m->env, fields, i, values[i]);
+        value_set_float(m->env, fields, i, values[i]);
     }
     fields->theFields[6].type = SYMBOL;
     fields->theFields[6].value =
@@ -23,7 +23,7 @@ static struct multifield *percept_fields(struct mind *m, const struct mu_channel
                                          const void *element, size_t count)
 {
     struct multifield *fields = CreateMultifield2(m->env, (long)(count * c->field_count) + 1);
-    clips_value_set_float(m->env, fields, 0, (double)m->inputs->percept.time_ns * 1e-9);
+    value_set_float(m->env, fields, 0, (double)m->inputs->percept.time_ns * 1e-9);
     sensors_set(m, c, element, count, fields, 1);
     return fields;
 }
@@ -49,9 +49,9 @@ void percept_show(struct mind *m)
         m->inputs->ring_unseen = false;
         EnvIncrementGCLocks(m->env);
         FactData(m->env)->NextFactIndex = m->inputs->ring_number;
-        m->diary_fact = CLIPS_DIARY_SHOWN;
+        m->trace_fact = TRACE_SHOWN;
         percept_list_assert(m, MU_CHANNEL_SONAR);
-        m->diary_fact = CLIPS_DIARY_CAUSED;
+        m->trace_fact = TRACE_CAUSED;
         FactData(m->env)->NextFactIndex = next;
         EnvDecrementGCLocks(m->env);
     }
@@ -152,12 +152,12 @@ static void percept_copy(struct mind *m, const struct mu_percept *p)
 
 void percept_take(struct mind *m, const struct mu_percept *p)
 {
-    m->diary_fact = CLIPS_DIARY_SENSED;
+    m->trace_fact = TRACE_SENSED;
     percept_retract_all(m);
     percept_copy(m, p);
     m->inputs->position_fact = percept_position(m);
     percept_lists(m);
-    m->diary_fact = CLIPS_DIARY_CAUSED;
+    m->trace_fact = TRACE_CAUSED;
 }
 
 void percept_lose(struct mind *m, uint64_t time_ns)

@@ -77,7 +77,7 @@ static void sensors_set_field(struct mind *m, const struct mu_field *f, const ch
     case MU_UNIT_DEG: x *= VALUE_DEG; break;
     case MU_UNIT_HEADING: x = value_norm_deg(x * VALUE_DEG); break;
     case MU_UNIT_COLOR:
-        clips_value_set_symbol(m->env, fields, at, sensors_color((uint32_t)x, bytes));
+        value_set_symbol(m->env, fields, at, sensors_color((uint32_t)x, bytes));
         return;
     case MU_UNIT_AS_IS: break;
     }
@@ -85,7 +85,7 @@ static void sensors_set_field(struct mind *m, const struct mu_field *f, const ch
         fields->theFields[at].type = INTEGER;
         fields->theFields[at].value = EnvAddLong(m->env, (long long)x);
     } else {
-        clips_value_set_float(m->env, fields, at, x);
+        value_set_float(m->env, fields, at, x);
     }
 }
 

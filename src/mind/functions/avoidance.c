@@ -81,7 +81,7 @@ void avoidance_clear_way(void *env, DATA_OBJECT *out)
     double arg[2] = {0, INFINITY};
     double ring_mm[WAY_FRONT];
     EnvSetMultifieldErrorValue(env, out);
-    if (!clips_value_numbers(env, "clear-way", EnvRtnArgCount(env), arg)) {
+    if (!value_numbers(env, "clear-way", EnvRtnArgCount(env), arg)) {
         return;
     }
     for (size_t i = 0; i < WAY_FRONT; i++) {
@@ -92,11 +92,11 @@ void avoidance_clear_way(void *env, DATA_OBJECT *out)
     double want_deg = fmax(-90, fmin(value_norm_deg(arg[0]), 90));
     double turns_deg = m->inputs->percept.turn_rad_s * VALUE_DEG / way_turn_s;
     double way_deg = way_direction(ring_mm, want_deg, fmax(-90, fmin(turns_deg, 90)),
-                                   environment_global(m, CLIPS_CARE));
+                                   environment_global(m, ENVIRONMENT_CARE));
     way_deg += way_lean(ring_mm);
-    double room_mm = fmax(0, way_room(ring_mm) - environment_global(m, CLIPS_SONAR_MARGIN));
+    double room_mm = fmax(0, way_room(ring_mm) - environment_global(m, ENVIRONMENT_SONAR_MARGIN));
     if (room_mm == 0 && fabs(way_deg) < way_aside_deg) {
         way_deg = copysign(way_aside_deg, way_deg);
     }
-    clips_value_floats(env, out, 2, (double[]){way_deg, room_mm});
+    value_floats(env, out, 2, (double[]){way_deg, room_mm});
 }

@@ -36,17 +36,17 @@ static struct expr builtin_enter(void *env, struct expr *first, const DATA_OBJEC
 void builtins_send(void *env, DATA_OBJECT *out)
 {
     DATA_OBJECT first;
-    clips_value_bool(env, out, false);
-    if (!clips_value_any(env, 1, &first)) {
+    value_bool(env, out, false);
+    if (!value_any(env, 1, &first)) {
         return;
     }
     if (first.type == RVOID) { /* what a function gives that gives nothing */
-        clips_value_refuse(env, "send", "somebody to send to");
+        value_refuse(env, "send", "somebody to send to");
         return;
     }
     bool instance = first.type == INSTANCE_NAME || first.type == INSTANCE_ADDRESS;
     if (instance && EnvRtnArgCount(env) < 2) {
-        clips_value_refuse(env, "send", "a message for the instance");
+        value_refuse(env, "send", "a message for the instance");
         return;
     }
     struct expr value;
@@ -65,7 +65,7 @@ static void builtin_result(void *env, enum builtin which, DATA_OBJECT *out)
 {
     int (*call)(void *) = builtin_calls[which];
     if (builtin_returns[which] == 'b') {
-        clips_value_bool(env, out, call(env));
+        value_bool(env, out, call(env));
     } else {
         void (*fill)(void *, DATA_OBJECT *) = (void (*)(void *, DATA_OBJECT *))(void (*)(void))call;
         fill(env, out);
@@ -74,27 +74,27 @@ static void builtin_result(void *env, enum builtin which, DATA_OBJECT *out)
 
 static void builtin_parse(void *env, enum builtin which, DATA_OBJECT *out)
 {
-    percept_show(environment_mind(env));   /* what is built now may have a pattern of it */
-    static char bytes[2 * CLIPS_LINE_MAX]; /* CLIPS copies the text into a symbol at once */
+    percept_show(environment_mind(env));         /* what is built now may have a pattern of it */
+    static char bytes[2 * ENVIRONMENT_LINE_MAX]; /* CLIPS copies the text into a symbol at once */
     const char *text;
     struct mu_text rewritten;
-    clips_value_bool(env, out, false);
-    if (!clips_value_word(env, builtin_names[which], 1, &text)) {
+    value_bool(env, out, false);
+    if (!value_word(env, builtin_names[which], 1, &text)) {
         return;
     }
     const char *wrong =
-        strlen(text) > CLIPS_LINE_MAX ? "at most 16384 bytes" : clips_text_check(text);
+        strlen(text) > ENVIRONMENT_LINE_MAX ? "at most 16384 bytes" : syntax_check(text);
     if (wrong) {
         char wanted[128];
         struct mu_text t;
         mu_text_init(&t, wanted, sizeof wanted);
         mu_text_format(&t, "a text that can be parsed, not one with %s", wrong);
-        clips_value_refuse(env, builtin_names[which], wanted);
+        value_refuse(env, builtin_names[which], wanted);
         return;
     }
-    clips_place_note(environment_mind(env), text, NULL, 0);
+    source_lines_note(environment_mind(env), text, NULL, 0);
     mu_text_init(&rewritten, bytes, sizeof bytes);
-    clips_text_rewrite(&rewritten, text, strlen(text));
+    syntax_rewrite(&rewritten, text, strlen(text));
     DATA_OBJECT given = {.type = STRING, .value = EnvAddSymbol(env, bytes)};
     struct expr value;
     struct expr *before = EvaluationData(env)->CurrentExpression;
@@ -138,8 +138,8 @@ static void builtin_strategy(void *env, DATA_OBJECT *out)
                       {"simplicity", SIMPLICITY_STRATEGY}};
     enum { COUNT = sizeof strategies / sizeof strategies[0] };
     const char *name;
-    clips_value_bool(env, out, false);
-    if (!clips_value_word(env, "set-strategy", 1, &name)) {
+    value_bool(env, out, false);
+    if (!value_word(env, "set-strategy", 1, &name)) {
         return;
     }
     const char *old = "depth";
@@ -149,18 +149,18 @@ static void builtin_strategy(void *env, DATA_OBJECT *out)
     for (size_t i = 0; i < COUNT; i++) {
         if (strcmp(strategies[i].name, name) == 0) {
             EnvSetStrategy(env, strategies[i].value);
-            clips_value_symbol(env, out, old);
+            value_symbol(env, out, old);
             return;
         }
     }
-    clips_value_refuse(env, "set-strategy", "depth, breadth, lex, mea, complexity or simplicity");
+    value_refuse(env, "set-strategy", "depth, breadth, lex, mea, complexity or simplicity");
 }
 
 /* The engine compares at each place anew: 4 MB in 8 MB took it hours. */
 static void builtin_index(void *env, DATA_OBJECT *out)
 {
     DATA_OBJECT word, text;
-    clips_value_bool(env, out, false);
+    value_bool(env, out, false);
     if (!EnvArgTypeCheck(env, "str-index", 1, SYMBOL_OR_STRING, &word) ||
         !EnvArgTypeCheck(env, "str-index", 2, SYMBOL_OR_STRING, &text)) {
         return;
@@ -168,9 +168,9 @@ static void builtin_index(void *env, DATA_OBJECT *out)
     const char *in = ValueToString(text.value), *what = ValueToString(word.value);
     const char *at = strstr(in, what);
     if (what[0] == '\0') {
-        clips_value_integer(env, out, (long long)UTF8Length(in) + 1);
+        value_integer(env, out, (long long)UTF8Length(in) + 1);
     } else if (at) {
-        clips_value_integer(env, out, (long long)UTF8CharNum(in, (size_t)(at - in) + 1));
+        value_integer(env, out, (long long)UTF8CharNum(in, (size_t)(at - in) + 1));
     }
 }
 

@@ -10,11 +10,11 @@
 
 static bool group_name(void *env, const char *function, const char *wanted, const char **name)
 {
-    if (!clips_value_word(env, function, 1, name)) {
+    if (!value_word(env, function, 1, name)) {
         return false;
     }
     if (!mu_name_valid(*name)) {
-        clips_value_refuse(env, function, wanted);
+        value_refuse(env, function, wanted);
         return false;
     }
     return true;
@@ -24,8 +24,8 @@ static void group_begin(void *env, enum mind_change change, const char *name,
                         const char *attributes, DATA_OBJECT *out)
 {
     const struct mind_ports *ports = &environment_mind(env)->options.ports;
-    clips_value_bool(
-        env, out, ports->change && ports->change(ports->self, change, name, attributes) == MU_OK);
+    value_bool(env, out,
+               ports->change && ports->change(ports->self, change, name, attributes) == MU_OK);
 }
 
 /* (FUNCTION NAME) */
@@ -33,7 +33,7 @@ static void group_change(void *env, const char *function, enum mind_change chang
                          const char *wanted, DATA_OBJECT *out)
 {
     const char *name;
-    clips_value_bool(env, out, false);
+    value_bool(env, out, false);
     if (group_name(env, function, wanted, &name)) {
         group_begin(env, change, name, "", out);
     }
@@ -68,7 +68,7 @@ static bool word_add(struct mu_text *to, unsigned short type, const void *value)
     case INTEGER:
         mu_text_format(to, "%lld", ((const struct integerHashNode *)value)->contents);
         return true;
-    case FLOAT: mu_text_format(to, "%.15g", clips_value_of(type, value)); return true;
+    case FLOAT: mu_text_format(to, "%.15g", value_of(type, value)); return true;
     default: return false;
     }
 }
@@ -80,7 +80,7 @@ static bool attributes_read(void *env, struct mu_text *to)
     bool good = count % 2 == 1;
     for (int i = 2; good && i <= count; i++) {
         DATA_OBJECT value;
-        if (!clips_value_any(env, i, &value)) {
+        if (!value_any(env, i, &value)) {
             return false;
         }
         bool is_key = i % 2 == 0;
@@ -98,7 +98,7 @@ void directory_advertise(void *env, DATA_OBJECT *out)
     char bytes[MU_ATTRIBUTES_MAX + 1];
     struct mu_text attributes;
     const char *service;
-    clips_value_bool(env, out, false);
+    value_bool(env, out, false);
     if (!group_name(env, "advertise", "a name for a service", &service)) {
         return;
     }
@@ -106,9 +106,9 @@ void directory_advertise(void *env, DATA_OBJECT *out)
     if (attributes_read(env, &attributes)) {
         group_begin(env, MIND_ADVERTISE, service, bytes, out);
     } else if (!GetEvaluationError(env)) {
-        clips_value_refuse(env, "advertise",
-                           "pairs of key and value: each key a name, and once; values without "
-                           "blanks; 255 bytes in all");
+        value_refuse(env, "advertise",
+                     "pairs of key and value: each key a name, and once; values without "
+                     "blanks; 255 bytes in all");
     }
 }
 
@@ -124,9 +124,9 @@ static void list_answer(void *env, enum mind_list list, const char *of, DATA_OBJ
     struct multifield *fields = EnvCreateMultifield(env, (long)count);
     for (size_t i = 0; i < count; i++) {
         const char *name = ports->entry(ports->self, list, of, i);
-        clips_value_set_symbol(env, fields, i, name ? name : "nil");
+        value_set_symbol(env, fields, i, name ? name : "nil");
     }
-    clips_value_multifield(out, fields);
+    value_multifield(out, fields);
 }
 
 void directory_groups(void *env, DATA_OBJECT *out)
@@ -162,7 +162,7 @@ static bool query_read(void *env, struct mu_text *to)
     for (int i = 1; i <= count; i++) {
         DATA_OBJECT value;
         bool good = true;
-        if (!clips_value_any(env, i, &value)) {
+        if (!value_any(env, i, &value)) {
             return false;
         }
         if (value.type != MULTIFIELD) {
@@ -205,9 +205,9 @@ void directory_find_service(void *env, DATA_OBJECT *out)
     mu_text_init(&text, query, sizeof query);
     if (!query_read(env, &text) || mu_attributes_query(&read, query) != MU_OK) {
         if (!GetEvaluationError(env)) {
-            clips_value_refuse(env, "find-service",
-                               "a service, or *, and constraints such as role=scout battery>=0.5 "
-                               "near=X,Y,METRES");
+            value_refuse(env, "find-service",
+                         "a service, or *, and constraints such as role=scout battery>=0.5 "
+                         "near=X,Y,METRES");
         }
         return;
     }
@@ -219,7 +219,7 @@ void directory_find_service(void *env, DATA_OBJECT *out)
 
 void directory_my_name(void *env, DATA_OBJECT *out)
 {
-    clips_value_symbol(env, out, environment_mind(env)->options.name);
+    value_symbol(env, out, environment_mind(env)->options.name);
 }
 
 void directory_lookup(void *env, DATA_OBJECT *out)
@@ -227,17 +227,17 @@ void directory_lookup(void *env, DATA_OBJECT *out)
     const struct mind_ports *ports = &environment_mind(env)->options.ports;
     struct mind_member member;
     const char *name;
-    clips_value_bool(env, out, false);
-    if (!clips_value_word(env, "lookup", 1, &name) || !ports->lookup ||
+    value_bool(env, out, false);
+    if (!value_word(env, "lookup", 1, &name) || !ports->lookup ||
         ports->lookup(ports->self, name, &member) != MU_OK) {
         return;
     }
     struct multifield *fields = EnvCreateMultifield(env, 4);
-    clips_value_set_symbol(env, fields, 0, member.name);
-    clips_value_set_symbol(env, fields, 1, member.kind);
-    clips_value_set_symbol(env, fields, 2, member.state);
-    clips_value_set_word(env, fields, 3, member.host);
-    clips_value_multifield(out, fields);
+    value_set_symbol(env, fields, 0, member.name);
+    value_set_symbol(env, fields, 1, member.kind);
+    value_set_symbol(env, fields, 2, member.state);
+    value_set_word(env, fields, 3, member.host);
+    value_multifield(out, fields);
 }
 
 void directory_listing(void *env, DATA_OBJECT *out)
@@ -251,9 +251,9 @@ void directory_listing(void *env, DATA_OBJECT *out)
     struct multifield *fields = EnvCreateMultifield(env, (long)count);
     for (size_t i = 0; i < count; i++) {
         bool there = ports->listing(ports->self, i, &member) == MU_OK;
-        clips_value_set_symbol(env, fields, i, there ? member.name : "nil");
+        value_set_symbol(env, fields, i, there ? member.name : "nil");
     }
-    clips_value_multifield(out, fields);
+    value_multifield(out, fields);
 }
 
 void directory_aside(void *env, DATA_OBJECT *out)
@@ -268,15 +268,15 @@ void directory_aside(void *env, DATA_OBJECT *out)
         fields->theFields[i].type = STRING;
         fields->theFields[i].value = EnvAddSymbol(env, ports->aside(ports->self, i));
     }
-    clips_value_multifield(out, fields);
+    value_multifield(out, fields);
 }
 
 void directory_drop_aside(void *env, DATA_OBJECT *out)
 {
     const struct mind_ports *ports = &environment_mind(env)->options.ports;
     long long number;
-    clips_value_bool(env, out, false);
-    if (clips_value_whole(env, "drop-aside", 1, &number) && number > 0 && ports->drop_aside) {
-        clips_value_bool(env, out, ports->drop_aside(ports->self, (size_t)number - 1));
+    value_bool(env, out, false);
+    if (value_whole(env, "drop-aside", 1, &number) && number > 0 && ports->drop_aside) {
+        value_bool(env, out, ports->drop_aside(ports->self, (size_t)number - 1));
     }
 }

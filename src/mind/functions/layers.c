@@ -45,22 +45,21 @@ void layers_on(void *env, DATA_OBJECT *out)
 {
     long long layer;
     const char *function;
-    clips_value_bool(env, out, false);
-    if (!clips_value_whole(env, "on-layer", 1, &layer) ||
-        !clips_value_word(env, "on-layer", 2, &function)) {
+    value_bool(env, out, false);
+    if (!value_whole(env, "on-layer", 1, &layer) || !value_word(env, "on-layer", 2, &function)) {
         return;
     }
     if (layer < 1 || layer > UINT32_MAX) {
-        clips_value_refuse(env, "on-layer", "a layer: a whole number from 1 on");
+        value_refuse(env, "on-layer", "a layer: a whole number from 1 on");
         return;
     }
     mu_result r = layers_add(environment_mind(env), (uint32_t)layer, function);
     if (r == MU_ABSENT) {
-        clips_value_refuse(env, "on-layer",
-                           "a deffunction that takes four arguments: id, from, performative, "
-                           "content");
+        value_refuse(env, "on-layer",
+                     "a deffunction that takes four arguments: id, from, performative, "
+                     "content");
     } else if (r == MU_FULL) {
-        clips_value_refuse(env, "on-layer", "at most 32 handlers");
+        value_refuse(env, "on-layer", "at most 32 handlers");
     }
-    clips_value_bool(env, out, r == MU_OK);
+    value_bool(env, out, r == MU_OK);
 }

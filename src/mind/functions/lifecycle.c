@@ -18,11 +18,11 @@ static void control_wish(struct mind *m, enum mind_wish wish, uint32_t rules)
 static uint32_t control_count(void *env, const char *function)
 {
     long long rules;
-    if (!clips_value_whole(env, function, 1, &rules)) {
+    if (!value_whole(env, function, 1, &rules)) {
         return 0;
     }
     if (rules < 1 || rules > UINT32_MAX) {
-        clips_value_refuse(env, function, "a number of rules, from 1 on");
+        value_refuse(env, function, "a number of rules, from 1 on");
         return 0;
     }
     return (uint32_t)rules;
@@ -32,7 +32,7 @@ static void control_step(void *env, DATA_OBJECT *out, const char *function)
 {
     struct mind *m = environment_mind(env);
     uint32_t rules = EnvRtnArgCount(env) > 0 ? control_count(env, function) : 1;
-    clips_value_bool(env, out, rules > 0);
+    value_bool(env, out, rules > 0);
     if (rules > 0 && m->mode == CLIPS_MODE_LINE) {
         control_wish(m, MIND_WISH_STEP, rules);
     }
@@ -46,7 +46,7 @@ void lifecycle_run(void *env, DATA_OBJECT *out)
         control_step(env, out, "run");
         return;
     }
-    clips_value_bool(env, out, true);
+    value_bool(env, out, true);
     if (m->mode == CLIPS_MODE_LINE) {
         control_wish(m, MIND_WISH_RUN, 0);
     }
@@ -59,7 +59,7 @@ void lifecycle_step(void *env, DATA_OBJECT *out)
 
 void lifecycle_suspend(void *env, DATA_OBJECT *out)
 {
-    clips_value_bool(env, out, true);
+    value_bool(env, out, true);
     control_wish(environment_mind(env), MIND_WISH_SUSPEND, 0);
 }
 
@@ -113,11 +113,11 @@ bool lifecycle_stops(struct mind *m)
 static bool name_take(void *env, const char *function, int index, char name[MU_NAME_MAX + 1])
 {
     const char *word;
-    if (!clips_value_word(env, function, index, &word)) {
+    if (!value_word(env, function, index, &word)) {
         return false;
     }
     if (!mu_name_valid(word) || mu_name_reserved(word)) {
-        clips_value_refuse(env, function, "a name");
+        value_refuse(env, function, "a name");
         return false;
     }
     return mu_text_copy(name, MU_NAME_MAX + 1, word);
@@ -130,13 +130,13 @@ static void travel_set(void *env, struct mind_travel w, DATA_OBJECT *out)
     if (first) {
         m->output->travel = w;
     }
-    clips_value_bool(env, out, first);
+    value_bool(env, out, first);
 }
 
 void lifecycle_move(void *env, DATA_OBJECT *out)
 {
     struct mind_travel w = {.kind = MIND_MOVES};
-    clips_value_bool(env, out, false);
+    value_bool(env, out, false);
     if (name_take(env, "moveTo", 1, w.host)) {
         travel_set(env, w, out);
     }
@@ -145,7 +145,7 @@ void lifecycle_move(void *env, DATA_OBJECT *out)
 void lifecycle_clone(void *env, DATA_OBJECT *out)
 {
     struct mind_travel w = {.kind = MIND_CLONES};
-    clips_value_bool(env, out, false);
+    value_bool(env, out, false);
     if (!name_take(env, "clone", 1, w.name)) {
         return;
     }
@@ -164,9 +164,9 @@ void lifecycle_failures(void *env, DATA_OBJECT *out)
     const struct mind *m = environment_mind(env);
     struct multifield *fields = EnvCreateMultifield(env, (long)(2 * m->failing_count));
     for (size_t i = 0; i < m->failing_count; i++) {
-        clips_value_set_symbol(env, fields, 2 * i, m->failing[i].rule);
+        value_set_symbol(env, fields, 2 * i, m->failing[i].rule);
         fields->theFields[2 * i + 1].type = INTEGER;
         fields->theFields[2 * i + 1].value = EnvAddLong(env, m->failing[i].count);
     }
-    clips_value_multifield(out, fields);
+    value_multifield(out, fields);
 }

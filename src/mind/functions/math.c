@@ -39,16 +39,16 @@ static double math_atan(double x)
 static void math_call(void *env, const char *name, double (*function)(double), DATA_OBJECT *out)
 {
     double x;
-    clips_value_float(env, out, 0);
-    if (!clips_value_number(env, name, 1, &x)) {
+    value_float(env, out, 0);
+    if (!value_number(env, name, 1, &x)) {
         return;
     }
     double y = function(x);
     if (!isfinite(y)) {
-        clips_value_refuse(env, name, "a number that it has a value for");
+        value_refuse(env, name, "a number that it has a value for");
         return;
     }
-    clips_value_float(env, out, y);
+    value_float(env, out, y);
 }
 
 void math_sind(void *env, DATA_OBJECT *out)
@@ -89,28 +89,28 @@ void math_norm_angle(void *env, DATA_OBJECT *out)
 void math_atan2d(void *env, DATA_OBJECT *out)
 {
     double a[2];
-    clips_value_float(env, out, 0);
-    if (clips_value_numbers(env, "atan2d", 2, a)) {
-        clips_value_float(env, out, value_norm_deg(atan2(a[0], a[1]) * VALUE_DEG));
+    value_float(env, out, 0);
+    if (value_numbers(env, "atan2d", 2, a)) {
+        value_float(env, out, value_norm_deg(atan2(a[0], a[1]) * VALUE_DEG));
     }
 }
 
 void math_distance(void *env, DATA_OBJECT *out)
 {
     double a[4];
-    clips_value_float(env, out, 0);
-    if (clips_value_numbers(env, "distance", 4, a)) {
-        clips_value_float(env, out, hypot(a[2] - a[0], a[3] - a[1]));
+    value_float(env, out, 0);
+    if (value_numbers(env, "distance", 4, a)) {
+        value_float(env, out, hypot(a[2] - a[0], a[3] - a[1]));
     }
 }
 
 void math_bearing(void *env, DATA_OBJECT *out)
 {
     double a[4];
-    clips_value_float(env, out, 0);
-    if (clips_value_numbers(env, "bearing", 4, a)) {
+    value_float(env, out, 0);
+    if (value_numbers(env, "bearing", 4, a)) {
         double angle = atan2(a[3] - a[1], a[2] - a[0]) * VALUE_DEG;
-        clips_value_float(env, out, value_norm_deg(angle));
+        value_float(env, out, value_norm_deg(angle));
     }
 }
 
@@ -119,29 +119,29 @@ void math_clamp(void *env, DATA_OBJECT *out)
     DATA_OBJECT arg[3];
     double x[3];
     bool whole = true;
-    clips_value_float(env, out, 0);
+    value_float(env, out, 0);
     for (int i = 0; i < 3; i++) {
         if (!EnvArgTypeCheck(env, "clamp", i + 1, INTEGER_OR_FLOAT, &arg[i])) {
             return;
         }
-        x[i] = clips_value_of(arg[i].type, arg[i].value);
+        x[i] = value_of(arg[i].type, arg[i].value);
         whole = whole && arg[i].type == INTEGER;
     }
     if (!(x[1] <= x[2])) {
-        clips_value_refuse(env, "clamp", "a number, a lower and an upper limit");
+        value_refuse(env, "clamp", "a number, a lower and an upper limit");
         return;
     }
     int pick = x[0] < x[1] ? 1 : x[0] > x[2] ? 2 : 0;
     if (whole) {
         *out = arg[pick];
     } else {
-        clips_value_float(env, out, x[pick]);
+        value_float(env, out, x[pick]);
     }
 }
 
 void math_now(void *env, DATA_OBJECT *out)
 {
-    clips_value_float(env, out, (double)environment_mind(env)->inputs->percept.time_ns * 1e-9);
+    value_float(env, out, (double)environment_mind(env)->inputs->percept.time_ns * 1e-9);
 }
 
 void math_random(void *env, DATA_OBJECT *out)
@@ -149,31 +149,30 @@ void math_random(void *env, DATA_OBJECT *out)
     long long lo = 0;
     long long hi = INT32_MAX;
     int count = EnvRtnArgCount(env);
-    clips_value_integer(env, out, 0);
+    value_integer(env, out, 0);
     if (count == 1) {
-        clips_value_refuse(env, "random", "no argument or two: the least and the greatest number");
+        value_refuse(env, "random", "no argument or two: the least and the greatest number");
         return;
     }
     if (count == 2 &&
-        (!clips_value_whole(env, "random", 1, &lo) || !clips_value_whole(env, "random", 2, &hi))) {
+        (!value_whole(env, "random", 1, &lo) || !value_whole(env, "random", 2, &hi))) {
         return;
     }
     if (lo > hi) {
-        clips_value_refuse(env, "random", "a least number that is not above the greatest");
+        value_refuse(env, "random", "a least number that is not above the greatest");
         return;
     }
-    clips_value_integer(env, out,
-                        mu_random_between(&environment_mind(env)->output->random, lo, hi));
+    value_integer(env, out, mu_random_between(&environment_mind(env)->output->random, lo, hi));
 }
 
 void math_seed(void *env, DATA_OBJECT *out)
 {
     struct mind *m = environment_mind(env);
     long long seed;
-    clips_value_bool(env, out, false);
-    if (clips_value_whole(env, "seed", 1, &seed)) {
+    value_bool(env, out, false);
+    if (value_whole(env, "seed", 1, &seed)) {
         mu_random_seed(&m->output->random, (uint64_t)seed, m->options.name);
-        clips_value_bool(env, out, true);
+        value_bool(env, out, true);
     }
 }
 
@@ -188,9 +187,9 @@ static bool math_whole(void *env, int index, long long *out)
         *out = ((struct integerHashNode *)value.value)->contents;
         return true;
     }
-    double x = clips_value_of(value.type, value.value);
+    double x = value_of(value.type, value.value);
     if (!(fabs(x) < 9.2e18)) {
-        clips_value_refuse(env, "div", "numbers within 64 bits");
+        value_refuse(env, "div", "numbers within 64 bits");
         return false;
     }
     *out = (long long)x;
@@ -202,7 +201,7 @@ void math_div(void *env, DATA_OBJECT *out)
     long long result;
     long long by;
     int count = EnvRtnArgCount(env);
-    clips_value_integer(env, out, 1);
+    value_integer(env, out, 1);
     if (!math_whole(env, 1, &result)) {
         return;
     }
@@ -211,34 +210,33 @@ void math_div(void *env, DATA_OBJECT *out)
             return;
         }
         if (by == 0 || (by == -1 && result == LLONG_MIN)) {
-            clips_value_refuse(env, "div", by ? "a result within 64 bits" : "no division by zero");
+            value_refuse(env, "div", by ? "a result within 64 bits" : "no division by zero");
             return;
         }
         result /= by;
     }
-    clips_value_integer(env, out, result);
+    value_integer(env, out, result);
 }
 
 void math_mod(void *env, DATA_OBJECT *out)
 {
     DATA_OBJECT arg[2];
-    clips_value_integer(env, out, 0);
+    value_integer(env, out, 0);
     for (int i = 0; i < 2; i++) {
         if (!EnvArgTypeCheck(env, "mod", i + 1, INTEGER_OR_FLOAT, &arg[i])) {
             return;
         }
     }
-    if (clips_value_of(arg[1].type, arg[1].value) == 0) {
-        clips_value_refuse(env, "mod", "no division by zero");
+    if (value_of(arg[1].type, arg[1].value) == 0) {
+        value_refuse(env, "mod", "no division by zero");
         return;
     }
     if (arg[0].type == FLOAT || arg[1].type == FLOAT) {
-        clips_value_float(env, out,
-                          fmod(clips_value_of(arg[0].type, arg[0].value),
-                               clips_value_of(arg[1].type, arg[1].value)));
+        value_float(env, out,
+                    fmod(value_of(arg[0].type, arg[0].value), value_of(arg[1].type, arg[1].value)));
         return;
     }
     long long a = ((struct integerHashNode *)arg[0].value)->contents;
     long long b = ((struct integerHashNode *)arg[1].value)->contents;
-    clips_value_integer(env, out, b == -1 ? 0 : a % b);
+    value_integer(env, out, b == -1 ? 0 : a % b);
 }

@@ -13,18 +13,19 @@ void motion_speed_to(void *env, DATA_OBJECT *out)
 {
     double a[5]; /* x y compass tx ty */
     EnvSetMultifieldErrorValue(env, out);
-    if (!clips_value_numbers(env, "speed-to", 5, a)) {
+    if (!value_numbers(env, "speed-to", 5, a)) {
         return;
     }
     double dx = a[3] - a[0];
     double dy = a[4] - a[1];
-    double far = hypot(dx, dy) - environment_global(environment_mind(env), CLIPS_FOLLOW_DISTANCE);
+    double far =
+        hypot(dx, dy) - environment_global(environment_mind(env), ENVIRONMENT_FOLLOW_DISTANCE);
     double error = far > -500 ? value_norm_deg(atan2(dy, dx) * VALUE_DEG - a[2]) : 0;
     /* a robot that looks away from the point turns first */
     double ahead = fabs(error) < 90 ? cos(error / VALUE_DEG) : 0;
     double speed = fmax(0, fmin(far * speed_gain, SPEED_MAX_MM_S)) * ahead * ahead;
     double turn = fmax(-TURN_MAX_DEG_S, fmin(error * turn_gain, TURN_MAX_DEG_S));
-    clips_value_floats(env, out, 2, (double[]){speed, turn});
+    value_floats(env, out, 2, (double[]){speed, turn});
 }
 
 static double physical_clamp(double x, double limit)
@@ -37,37 +38,36 @@ static void motion_drive(struct mind *m, double forward_m_s, double turn_rad_s)
     m->output->act.drives = true;
     m->output->act.forward_m_s = forward_m_s;
     m->output->act.turn_rad_s = turn_rad_s;
-    clips_diary_speed(m, forward_m_s, turn_rad_s);
+    trace_speed(m, forward_m_s, turn_rad_s);
 }
 
 void motion_set_speed(void *env, DATA_OBJECT *out)
 {
     struct mind *m = environment_mind(env);
     double speed[2];
-    clips_value_bool(env, out, false);
-    if (!clips_value_numbers(env, "setSpeed", 2, speed)) {
+    value_bool(env, out, false);
+    if (!value_numbers(env, "setSpeed", 2, speed)) {
         return;
     }
     if (!isfinite(speed[0]) || !isfinite(speed[1])) {
-        clips_value_refuse(env, "setSpeed",
-                           "finite numbers: a speed in mm/s and a turn rate in deg/s");
+        value_refuse(env, "setSpeed", "finite numbers: a speed in mm/s and a turn rate in deg/s");
         return;
     }
     motion_drive(m, physical_clamp(speed[0] / 1000, m->options.forward_max_m_s),
                  physical_clamp(speed[1] / VALUE_DEG, m->options.turn_max_rad_s));
-    clips_value_bool(env, out, true);
+    value_bool(env, out, true);
 }
 
 void motion_stop(void *env, DATA_OBJECT *out)
 {
     struct mind *m = environment_mind(env);
     motion_drive(m, 0, 0);
-    clips_value_bool(env, out, true);
+    value_bool(env, out, true);
 }
 
 void motion_update_sensors(void *env, DATA_OBJECT *out)
 {
     struct mind *m = environment_mind(env);
     m->output->sense_again = m->output->sense_again || m->firing;
-    clips_value_bool(env, out, m->firing);
+    value_bool(env, out, m->firing);
 }

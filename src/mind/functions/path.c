@@ -10,7 +10,7 @@ enum { PLAN_CELLS_A_TICK = 8 };
 
 void path_has_map(void *env, DATA_OBJECT *out)
 {
-    clips_value_bool(env, out, environment_mind(env)->options.planner != NULL);
+    value_bool(env, out, environment_mind(env)->options.planner != NULL);
 }
 
 void path_plan(void *env, DATA_OBJECT *out)
@@ -19,8 +19,8 @@ void path_plan(void *env, DATA_OBJECT *out)
     struct mind *m = environment_mind(env);
     const struct mu_percept *p = &m->inputs->percept;
     double to_mm[2];
-    clips_value_bool(env, out, false);
-    if (!clips_value_numbers(env, "plan", 2, to_mm)) {
+    value_bool(env, out, false);
+    if (!value_numbers(env, "plan", 2, to_mm)) {
         return;
     }
     if (!m->options.planner || !m->inputs->sensed || !isfinite(to_mm[0]) || !isfinite(to_mm[1])) {
@@ -37,5 +37,5 @@ void path_plan(void *env, DATA_OBJECT *out)
     for (size_t i = 0; i < 2 * path.count; i++) {
         points_mm[i] = 1000 * path.points_m[i / 2][i % 2];
     }
-    clips_value_floats(env, out, 2 * path.count, points_mm);
+    value_floats(env, out, 2 * path.count, points_mm);
 }

@@ -204,7 +204,7 @@ static bool query_read(void *env, const char *mask, struct query *pattern)
     memcpy(pattern->mask, mask, len + 1);
     for (size_t i = 0; i < len; i++) {
         if (mask[i] == 'v' || mask[i] == '(') {
-            if (!clips_value_any(env, (int)values + 3, &pattern->values[values])) {
+            if (!value_any(env, (int)values + 3, &pattern->values[values])) {
                 return false;
             }
             values++;
@@ -228,10 +228,10 @@ void query_findall(void *env, DATA_OBJECT *out)
     long count = 0;
     EnvSetMultifieldErrorValue(env, out);
     if (EnvRtnArgCount(env) < 2) {
-        clips_value_refuse(env, "findall", "a pattern in parentheses");
+        value_refuse(env, "findall", "a pattern in parentheses");
         return;
     }
-    if (!clips_value_word(env, "findall", 2, &mask) || !query_read(env, mask, &pattern)) {
+    if (!value_word(env, "findall", 2, &mask) || !query_read(env, mask, &pattern)) {
         return;
     }
     percept_show(environment_mind(env));
@@ -250,14 +250,14 @@ void query_findall(void *env, DATA_OBJECT *out)
             facts->theFields[i++].value = f;
         }
     }
-    clips_value_multifield(out, facts);
+    value_multifield(out, facts);
 }
 
 void query_fields(void *env, DATA_OBJECT *out)
 {
     DATA_OBJECT arg;
     EnvSetMultifieldErrorValue(env, out);
-    if (!clips_value_any(env, 1, &arg)) {
+    if (!value_any(env, 1, &arg)) {
         return;
     }
     struct fact *f = arg.type == FACT_ADDRESS ? arg.value : NULL;
@@ -265,12 +265,12 @@ void query_fields(void *env, DATA_OBJECT *out)
         f = FindIndexedFact(env, ((struct integerHashNode *)arg.value)->contents);
     }
     if (!f || f->garbage || !f->whichDeftemplate->implied) {
-        clips_value_refuse(env, "fact-fields", "an ordered fact that is there");
+        value_refuse(env, "fact-fields", "an ordered fact that is there");
         return;
     }
     const struct multifield *content = f->theProposition.theFields[0].value;
     struct multifield *fields = EnvCreateMultifield(env, content->multifieldLength);
     memcpy(fields->theFields, content->theFields,
            (size_t)content->multifieldLength * sizeof content->theFields[0]);
-    clips_value_multifield(out, fields);
+    value_multifield(out, fields);
 }

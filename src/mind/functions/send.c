@@ -21,15 +21,15 @@ bool send_field(struct mu_text *out, unsigned short type, const void *value)
 {
     const struct symbolHashNode *text = value;
     switch (type) {
-    case SYMBOL: clips_text_add_symbol(out, text->contents); return true;
-    case STRING: clips_text_add_quoted(out, text->contents); return true;
+    case SYMBOL: syntax_add_symbol(out, text->contents); return true;
+    case STRING: syntax_add_quoted(out, text->contents); return true;
     case INSTANCE_NAME: mu_text_format(out, "[%s]", text->contents); return true;
     case INTEGER:
         mu_text_format(out, "%lld", ((const struct integerHashNode *)value)->contents);
         return true;
     case FLOAT:
-        clips_text_add_float(out, clips_value_of(type, value));
-        return isfinite(clips_value_of(type, value));
+        syntax_add_float(out, value_of(type, value));
+        return isfinite(value_of(type, value));
     default: return false;
     }
 }
@@ -61,7 +61,7 @@ bool send_fields(void *env, const char *function, int first, DATA_OBJECT *fields
     }
     StoreInMultifield(env, fields, arguments, TRUE);
     if (fields->type != MULTIFIELD && !GetEvaluationError(env)) {
-        clips_value_refuse(env, function, "fields");
+        value_refuse(env, function, "fields");
     }
     return !GetEvaluationError(env) && !GetHaltExecution(env);
 }
@@ -69,12 +69,11 @@ bool send_fields(void *env, const char *function, int first, DATA_OBJECT *fields
 bool send_content(void *env, const char *function, const DATA_OBJECT *fields, struct mu_text *out)
 {
     if (!send_value(out, fields)) {
-        clips_value_refuse(env, function,
-                           "fields that can be mailed: symbols, strings, finite numbers");
+        value_refuse(env, function, "fields that can be mailed: symbols, strings, finite numbers");
         return false;
     }
     if (out->cut) {
-        clips_value_refuse(env, function, "a content of at most 16384 bytes");
+        value_refuse(env, function, "a content of at most 16384 bytes");
         return false;
     }
     return true;
@@ -123,7 +122,7 @@ const char *send_address(void *env, const char *function, int index, const char 
     DATA_OBJECT who;
     struct mu_text to;
     bool good = false;
-    if (!clips_value_any(env, index, &who)) {
+    if (!value_any(env, index, &who)) {
         return NULL;
     }
     mu_text_init(&to, names, sizeof names);
@@ -134,7 +133,7 @@ const char *send_address(void *env, const char *function, int index, const char 
         good = mu_name_valid(names) || who_is_address(names);
     }
     if (!good || to.cut) {
-        clips_value_refuse(env, function, wanted);
+        value_refuse(env, function, wanted);
         return NULL;
     }
     return names;
@@ -146,12 +145,12 @@ void send_hand(void *env, const struct mind_letter *letter, DATA_OBJECT *out)
     const struct mind_ports *ports = &m->options.ports;
     bool taken = ports->send && ports->send(ports->self, letter) == MU_OK;
     if (taken) {
-        clips_diary_told(m, letter);
+        trace_told(m, letter);
     }
     if (taken && letter->reply_with[0]) {
-        clips_value_symbol(env, out, letter->reply_with);
+        value_symbol(env, out, letter->reply_with);
     } else {
-        clips_value_bool(env, out, taken);
+        value_bool(env, out, taken);
     }
 }
 
@@ -182,7 +181,7 @@ static void send_to(void *env, const char *function, const char *performative, b
     char question[MU_FIELD_MAX + 1];
     DATA_OBJECT fields;
     letter.performative = performative;
-    clips_value_bool(env, out, false);
+    value_bool(env, out, false);
     if (!send_fields(env, function, 2, &fields)) {
         return;
     }
@@ -225,7 +224,7 @@ void send_broadcast(void *env, DATA_OBJECT *out)
 {
     struct mind_letter letter = send_blank;
     DATA_OBJECT fields;
-    clips_value_bool(env, out, false);
+    value_bool(env, out, false);
     letter.dst = "all";
     if (send_fields(env, "broadcast", 1, &fields)) {
         send_letter(env, "broadcast", &letter, &fields, out);
@@ -240,12 +239,12 @@ static void send_scheme(void *env, const char *function, const char *scheme, con
     struct mind_letter letter = send_blank;
     const char *name;
     DATA_OBJECT fields;
-    clips_value_bool(env, out, false);
-    if (!send_fields(env, function, 2, &fields) || !clips_value_word(env, function, 1, &name)) {
+    value_bool(env, out, false);
+    if (!send_fields(env, function, 2, &fields) || !value_word(env, function, 1, &name)) {
         return;
     }
     if (!mu_name_valid(name)) {
-        clips_value_refuse(env, function, wanted);
+        value_refuse(env, function, wanted);
         return;
     }
     snprintf(to, sizeof to, "%s:%s", scheme, name);
@@ -275,13 +274,13 @@ void send_near(void *env, DATA_OBJECT *out)
     struct mind_letter letter = send_blank;
     double distance_mm;
     DATA_OBJECT fields;
-    clips_value_bool(env, out, false);
+    value_bool(env, out, false);
     if (!send_fields(env, "send-near", 2, &fields) ||
-        !clips_value_number(env, "send-near", 1, &distance_mm)) {
+        !value_number(env, "send-near", 1, &distance_mm)) {
         return;
     }
     if (!isfinite(distance_mm) || distance_mm < 0) {
-        clips_value_refuse(env, "send-near", "a distance in mm, 0 or more");
+        value_refuse(env, "send-near", "a distance in mm, 0 or more");
         return;
     }
     snprintf(to, sizeof to, "near:%.15g", distance_mm / 1000);
@@ -306,7 +305,7 @@ static bool reply_to_fact(const struct mind *m, const DATA_OBJECT *mail, struct 
         return false;
     }
     const struct field *layer = &f->theProposition.theFields[LAYER];
-    double number = clips_value_of(layer->type, layer->value);
+    double number = value_of(layer->type, layer->value);
     letter->dst = send_slot(f, FROM);
     letter->ontology = send_slot(f, ONTOLOGY);
     letter->in_reply_to = send_slot(f, REPLY_WITH);
@@ -338,13 +337,13 @@ void send_reply(void *env, DATA_OBJECT *out)
     struct mind_letter letter = send_blank;
     DATA_OBJECT mail;
     DATA_OBJECT fields;
-    clips_value_bool(env, out, false);
-    if (!send_fields(env, "reply", 2, &fields) || !clips_value_any(env, 1, &mail)) {
+    value_bool(env, out, false);
+    if (!send_fields(env, "reply", 2, &fields) || !value_any(env, 1, &mail)) {
         return;
     }
     letter.performative = "tell";
     if (!reply_to_fact(m, &mail, &letter) && !reply_to_handled(m, &mail, &letter)) {
-        clips_value_refuse(env, "reply", "a mail fact and fields");
+        value_refuse(env, "reply", "a mail fact and fields");
         return;
     }
     send_letter(env, "reply", &letter, &fields, out);
@@ -376,7 +375,7 @@ void send_you_do(void *env, DATA_OBJECT *out)
     struct mind_letter letter = send_blank;
     struct mu_text line;
     DATA_OBJECT fields;
-    clips_value_bool(env, out, false);
+    value_bool(env, out, false);
     if (!send_fields(env, "you-do", 2, &fields)) {
         return;
     }
@@ -385,7 +384,7 @@ void send_you_do(void *env, DATA_OBJECT *out)
         return;
     }
     if (fields.end < 0 || !who_is_word(((struct multifield *)fields.value)->theFields[0].type)) {
-        clips_value_refuse(env, "you-do", wanted);
+        value_refuse(env, "you-do", wanted);
         return;
     }
     if (you_do_group(m, letter.dst)) {

@@ -16,15 +16,15 @@ void sensors_position(void *env, DATA_OBJECT *out)
     sensors_set_position(&m->inputs->percept, values);
     struct multifield *fields = EnvCreateMultifield(env, 7);
     for (size_t i = 0; i < 6; i++) {
-        clips_value_set_float(env, fields, i, values[i]);
+        value_set_float(env, fields, i, values[i]);
     }
-    clips_value_set_symbol(env, fields, 6, m->inputs->percept.stalled ? "TRUE" : "FALSE");
-    clips_value_multifield(out, fields);
+    value_set_symbol(env, fields, 6, m->inputs->percept.stalled ? "TRUE" : "FALSE");
+    value_multifield(out, fields);
 }
 
 void sensors_stalled(void *env, DATA_OBJECT *out)
 {
-    clips_value_bool(env, out, environment_mind(env)->inputs->percept.stalled);
+    value_bool(env, out, environment_mind(env)->inputs->percept.stalled);
 }
 
 void sensors_sonar(void *env, DATA_OBJECT *out)
@@ -33,33 +33,33 @@ void sensors_sonar(void *env, DATA_OBJECT *out)
     size_t count = m->inputs->percept.sonar_count;
     double ranges_mm[MU_SONARS_MAX];
     long long index;
-    clips_value_bool(env, out, false);
+    value_bool(env, out, false);
     if (EnvRtnArgCount(env) == 0) {
         for (size_t i = 0; i < count; i++) {
             ranges_mm[i] = (double)m->inputs->percept.sonar_m[i] * 1000;
         }
-        clips_value_floats(env, out, count, ranges_mm);
+        value_floats(env, out, count, ranges_mm);
         return;
     }
-    if (!clips_value_whole(env, "sonar", 1, &index)) {
+    if (!value_whole(env, "sonar", 1, &index)) {
         return;
     }
     if ((index < 0 || (size_t)index >= count) && EnvRtnArgCount(env) == 2) {
-        (void)clips_value_any(env, 2, out);
+        (void)value_any(env, 2, out);
         return;
     }
     if (index < 0 || (size_t)index >= count) {
-        clips_value_refuse(env, "sonar", "the index of a sonar that the body has, from 0");
+        value_refuse(env, "sonar", "the index of a sonar that the body has, from 0");
         return;
     }
-    clips_value_float(env, out, (double)m->inputs->percept.sonar_m[index] * 1000);
+    value_float(env, out, (double)m->inputs->percept.sonar_m[index] * 1000);
 }
 
 /* Takes the least of an argument, a number or several.  @return false: it holds something else */
 static bool physical_least(const DATA_OBJECT *value, double *least)
 {
     if (value->type != MULTIFIELD) {
-        *least = fmin(*least, clips_value_of(value->type, value->value));
+        *least = fmin(*least, value_of(value->type, value->value));
         return value->type == FLOAT || value->type == INTEGER;
     }
     for (long i = value->begin; i <= value->end; i++) {
@@ -67,7 +67,7 @@ static bool physical_least(const DATA_OBJECT *value, double *least)
         if (f->type != FLOAT && f->type != INTEGER) {
             return false;
         }
-        *least = fmin(*least, clips_value_of(f->type, f->value));
+        *least = fmin(*least, value_of(f->type, f->value));
     }
     return true;
 }
@@ -76,32 +76,32 @@ void sensors_sonar_data(void *env, DATA_OBJECT *out)
 {
     double least = INFINITY;
     int count = EnvRtnArgCount(env);
-    clips_value_float(env, out, 0);
+    value_float(env, out, 0);
     for (int i = 1; i <= count; i++) {
         DATA_OBJECT value;
-        if (!clips_value_any(env, i, &value)) {
+        if (!value_any(env, i, &value)) {
             return;
         }
         if (!physical_least(&value, &least)) {
-            clips_value_refuse(env, "sonar-data", "ranges in mm");
+            value_refuse(env, "sonar-data", "ranges in mm");
             return;
         }
     }
     const struct mind *m = environment_mind(env);
-    double clip = environment_global(m, CLIPS_SONAR_CLIP);
-    double clear = least - environment_global(m, CLIPS_SONAR_MARGIN);
-    clips_value_float(env, out, fmax(0, fmin(clear, clip)));
+    double clip = environment_global(m, ENVIRONMENT_SONAR_CLIP);
+    double clear = least - environment_global(m, ENVIRONMENT_SONAR_MARGIN);
+    value_float(env, out, fmax(0, fmin(clear, clip)));
 }
 
 /* The index of an element as an argument.  @return false: it is none, and a CLIPS error */
 static bool list_index(void *env, const struct mu_channel *c, int argument, size_t count,
                        long long *index)
 {
-    if (!clips_value_whole(env, c->fact, argument, index)) {
+    if (!value_whole(env, c->fact, argument, index)) {
         return false;
     }
     if (*index < 0 || (size_t)*index >= count) {
-        clips_value_refuse(env, c->fact, "the index of a beam that was read, from 0");
+        value_refuse(env, c->fact, "the index of a beam that was read, from 0");
         return false;
     }
     return true;
@@ -128,7 +128,7 @@ void sensors_list(void *env, DATA_OBJECT *out)
     const char *elements = mu_channel_list(c, &m->inputs->percept, &count);
     int arguments = EnvRtnArgCount(env);
     long long from = 0, to = (long long)count - 1;
-    clips_value_bool(env, out, false);
+    value_bool(env, out, false);
     if (arguments > 0 && (!list_index(env, c, 1, count, &from) ||
                           (arguments == 2 && !list_index(env, c, 2, count, &to)))) {
         return;
@@ -137,7 +137,7 @@ void sensors_list(void *env, DATA_OBJECT *out)
     size_t length = to >= from ? (size_t)(to - from + 1) : 0;
     struct multifield *fields = EnvCreateMultifield(env, (long)length);
     sensors_set(m, c, elements + (size_t)from * c->bytes, length, fields, 0);
-    clips_value_multifield(out, fields);
+    value_multifield(out, fields);
     if (arguments == 1) {
         out->type = fields->theFields[0].type;
         out->value = fields->theFields[0].value;
@@ -161,7 +161,7 @@ static void records_give(void *env, size_t number, const bool *picked, DATA_OBJE
             at += c->field_count;
         }
     }
-    clips_value_multifield(out, fields);
+    value_multifield(out, fields);
 }
 
 void sensors_camera(void *env, DATA_OBJECT *out)
@@ -170,7 +170,7 @@ void sensors_camera(void *env, DATA_OBJECT *out)
     const char *color = NULL;
     bool picked[MU_BLOBS_MAX];
     EnvSetMultifieldErrorValue(env, out);
-    if (EnvRtnArgCount(env) == 1 && !clips_value_word(env, "camera", 1, &color)) {
+    if (EnvRtnArgCount(env) == 1 && !value_word(env, "camera", 1, &color)) {
         return;
     }
     for (size_t i = 0; i < p->blob_count; i++) {
@@ -194,7 +194,7 @@ void sensors_gps(void *env, DATA_OBJECT *out)
         return;
     }
     double compass_deg = value_norm_deg(p->compass_rad * VALUE_DEG);
-    clips_value_floats(env, out, 3, (double[]){p->gps_x_m * 1000, p->gps_y_m * 1000, compass_deg});
+    value_floats(env, out, 3, (double[]){p->gps_x_m * 1000, p->gps_y_m * 1000, compass_deg});
 }
 
 void sensors_odometer(void *env, DATA_OBJECT *out)
@@ -206,8 +206,8 @@ void sensors_odometer(void *env, DATA_OBJECT *out)
         return;
     }
     double heading_deg = value_norm_deg(p->odometer_heading_rad * VALUE_DEG);
-    clips_value_floats(env, out, 3,
-                       (double[]){p->odometer_x_m * 1000, p->odometer_y_m * 1000, heading_deg});
+    value_floats(env, out, 3,
+                 (double[]){p->odometer_x_m * 1000, p->odometer_y_m * 1000, heading_deg});
 }
 
 void sensors_bumpers(void *env, DATA_OBJECT *out)
@@ -220,15 +220,15 @@ void sensors_bumpers(void *env, DATA_OBJECT *out)
             directions_deg[count++] = value_norm_deg(45.0 * k);
         }
     }
-    clips_value_floats(env, out, count, directions_deg);
+    value_floats(env, out, count, directions_deg);
 }
 
 void sensors_battery(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
-    clips_value_bool(env, out, false);
+    value_bool(env, out, false);
     if (m->inputs->sensed && m->inputs->percept.battery_share >= 0) {
-        clips_value_float(env, out, m->inputs->percept.battery_share);
+        value_float(env, out, m->inputs->percept.battery_share);
     }
 }
 
@@ -241,12 +241,12 @@ static void gripper_state(void *env, uint32_t gripper, DATA_OBJECT *out)
         return;
     }
     struct multifield *fields = EnvCreateMultifield(env, 5);
-    clips_value_set_symbol(env, fields, 0, gripper & MU_GRIPPER_CLOSED ? "closed" : "open");
-    clips_value_set_symbol(env, fields, 1, gripper & MU_GRIPPER_LIFTED ? "up" : "down");
+    value_set_symbol(env, fields, 0, gripper & MU_GRIPPER_CLOSED ? "closed" : "open");
+    value_set_symbol(env, fields, 1, gripper & MU_GRIPPER_LIFTED ? "up" : "down");
     for (size_t i = 0; i < 3; i++) {
-        clips_value_set_symbol(env, fields, 2 + i, gripper & flags[i] ? "TRUE" : "FALSE");
+        value_set_symbol(env, fields, 2 + i, gripper & flags[i] ? "TRUE" : "FALSE");
     }
-    clips_value_multifield(out, fields);
+    value_multifield(out, fields);
 }
 
 void sensors_gripper(void *env, DATA_OBJECT *out)
@@ -265,17 +265,17 @@ void sensors_gripper(void *env, DATA_OBJECT *out)
         gripper_state(env, m->inputs->percept.gripper, out);
         return;
     }
-    clips_value_bool(env, out, false);
-    if (!clips_value_word(env, "gripper", 1, &word)) {
+    value_bool(env, out, false);
+    if (!value_word(env, "gripper", 1, &word)) {
         return;
     }
     for (size_t i = 0; i < sizeof orders / sizeof orders[0]; i++) {
         if (strcmp(word, orders[i].word) == 0) {
             m->output->act.paddles = orders[i].paddles ? orders[i].paddles : m->output->act.paddles;
             m->output->act.lift = orders[i].lift ? orders[i].lift : m->output->act.lift;
-            clips_value_bool(env, out, m->inputs->percept.gripper & MU_GRIPPER_THERE);
+            value_bool(env, out, m->inputs->percept.gripper & MU_GRIPPER_THERE);
             return;
         }
     }
-    clips_value_refuse(env, "gripper", "open, close, lift or lower");
+    value_refuse(env, "gripper", "open, close, lift or lower");
 }

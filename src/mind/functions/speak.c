@@ -11,11 +11,11 @@ typedef bool (*speak_key)(void *env, int index, size_t offset, struct mind_lette
 static bool speak_word(void *env, int index, size_t offset, struct mind_letter *letter)
 {
     const char *word;
-    if (!clips_value_word(env, "speak", index, &word)) {
+    if (!value_word(env, "speak", index, &word)) {
         return false;
     }
     if (strlen(word) > MU_FIELD_MAX) {
-        clips_value_refuse(env, "speak", "words of at most 63 bytes");
+        value_refuse(env, "speak", "words of at most 63 bytes");
         return false;
     }
     *(const char **)((char *)letter + offset) = word;
@@ -27,12 +27,12 @@ static bool speak_reply_by(void *env, int index, size_t offset, struct mind_lett
 {
     (void)offset;
     double until_s;
-    if (!clips_value_number(env, "speak", index, &until_s)) {
+    if (!value_number(env, "speak", index, &until_s)) {
         return false;
     }
     double now_s = (double)environment_mind(env)->inputs->percept.time_ns * 1e-9;
     if (!(until_s > now_s && until_s < now_s + 1e9)) {
-        clips_value_refuse(env, "speak", "a time in the future behind reply-by");
+        value_refuse(env, "speak", "a time in the future behind reply-by");
         return false;
     }
     letter->reply_by_ns = (uint64_t)(until_s * 1e9);
@@ -43,11 +43,11 @@ static bool speak_reply_by(void *env, int index, size_t offset, struct mind_lett
 static bool layer_read(void *env, const char *function, int index, uint32_t *layer)
 {
     long long number;
-    if (!clips_value_whole(env, function, index, &number)) {
+    if (!value_whole(env, function, index, &number)) {
         return false;
     }
     if (number < 1 || number > UINT32_MAX) {
-        clips_value_refuse(env, function, "a layer: a whole number from 1 on");
+        value_refuse(env, function, "a layer: a whole number from 1 on");
         return false;
     }
     *layer = (uint32_t)number;
@@ -65,7 +65,7 @@ static size_t speak_choice(void *env, int index, const char *const *words, size_
                            const char *wanted)
 {
     const char *word;
-    if (!clips_value_word(env, "speak", index, &word)) {
+    if (!value_word(env, "speak", index, &word)) {
         return count;
     }
     for (size_t i = 0; i < count; i++) {
@@ -73,7 +73,7 @@ static size_t speak_choice(void *env, int index, const char *const *words, size_
             return i;
         }
     }
-    clips_value_refuse(env, "speak", wanted);
+    value_refuse(env, "speak", wanted);
     return count;
 }
 
@@ -114,7 +114,7 @@ static const struct {
 static bool speak_key_value(void *env, int index, struct mind_letter *letter)
 {
     const char *key;
-    if (!clips_value_word(env, "speak", index, &key)) {
+    if (!value_word(env, "speak", index, &key)) {
         return false;
     }
     for (size_t i = 0; i < sizeof speak_keys / sizeof speak_keys[0]; i++) {
@@ -122,20 +122,20 @@ static bool speak_key_value(void *env, int index, struct mind_letter *letter)
             return speak_keys[i].read(env, index + 1, speak_keys[i].offset, letter);
         }
     }
-    clips_value_refuse(env, "speak",
-                       "pairs of a value and one of these keys: language ontology reply-with "
-                       "in-reply-to reply-by conversation layer priority level");
+    value_refuse(env, "speak",
+                 "pairs of a value and one of these keys: language ontology reply-with "
+                 "in-reply-to reply-by conversation layer priority level");
     return false;
 }
 
 static bool speak_performative(void *env, const char *function, int index,
                                struct mind_letter *letter)
 {
-    if (!clips_value_word(env, function, index, &letter->performative)) {
+    if (!value_word(env, function, index, &letter->performative)) {
         return false;
     }
     if (strlen(letter->performative) > MU_FIELD_MAX) {
-        clips_value_refuse(env, function, "a performative of at most 63 bytes");
+        value_refuse(env, function, "a performative of at most 63 bytes");
         return false;
     }
     return true;
@@ -147,13 +147,12 @@ void speak_send(void *env, DATA_OBJECT *out)
     struct mu_text content;
     DATA_OBJECT fields;
     int count = EnvRtnArgCount(env);
-    clips_value_bool(env, out, false);
+    value_bool(env, out, false);
     if (count % 2 == 0) {
-        clips_value_refuse(env, "speak",
-                           "a performative, a name, a content and pairs of key, value");
+        value_refuse(env, "speak", "a performative, a name, a content and pairs of key, value");
         return;
     }
-    if (!speak_performative(env, "speak", 1, &letter) || !clips_value_any(env, 3, &fields)) {
+    if (!speak_performative(env, "speak", 1, &letter) || !value_any(env, 3, &fields)) {
         return;
     }
     for (int i = 4; i < count; i += 2) {
@@ -171,7 +170,7 @@ void speak_send(void *env, DATA_OBJECT *out)
         mu_text_add(&content, ValueToString(fields.value));
     }
     if (content.cut) {
-        clips_value_refuse(env, "speak", "a content of at most 16384 bytes");
+        value_refuse(env, "speak", "a content of at most 16384 bytes");
     } else if (raw || send_content(env, "speak", &fields, &content)) {
         letter.content = content.at;
         send_hand(env, &letter, out);
@@ -184,7 +183,7 @@ void speak_send_layer(void *env, DATA_OBJECT *out)
     struct mu_text content;
     char question[MU_FIELD_MAX + 1];
     DATA_OBJECT fields;
-    clips_value_bool(env, out, false);
+    value_bool(env, out, false);
     if (!send_fields(env, "send-layer", 4, &fields) ||
         !layer_read(env, "send-layer", 1, &letter.layer) ||
         !speak_performative(env, "send-layer", 2, &letter)) {

@@ -112,7 +112,7 @@ struct mind_options {
     double forward_max_m_s, turn_max_rad_s; /* setSpeed clamps to these; 0: no limit known */
     struct planner *planner; /* for (plan); minds may share it; NULL: there is no map */
     double half_m;           /* half the body's width, and what it wants to have beside it */
-    bool diary;              /* notes what goes on, for mind_diary */
+    bool trace;              /* notes what goes on, for mind_trace */
     struct mind_ports ports;
 };
 

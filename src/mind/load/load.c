@@ -27,14 +27,14 @@ void load_install(struct mind *m)
 {
     m->loader->text_used = m->loader->files_deep = 0;
     EnvSetParserErrorCallback(m->env, load_note_error);
-    clips_place_install(m);
+    source_lines_install(m);
 }
 
 void load_reserve(struct mind *m)
 {
     m->loader = mu_startup_alloc(sizeof *m->loader);
     m->loader->text = mu_startup_alloc(LOAD_TEXT_MAX);
-    clips_place_reserve(m);
+    source_lines_reserve(m);
     m->loader->form = mu_startup_alloc(LOAD_FILE_MAX);
 }
 
@@ -69,7 +69,7 @@ static mu_result load_read(struct mind *m, const char *path, const char **text,
 /* Makes what CLIPS said one line: its message, without the source that it repeats. */
 static void load_said(struct mind *m, char *to, size_t size)
 {
-    clips_text_as_written(m->said.at);
+    syntax_as_written(m->said.at);
     char *repeat = strstr(m->said.at, "\nERROR:");
     if (repeat) {
         *repeat = '\0';
@@ -87,12 +87,12 @@ static void load_said(struct mind *m, char *to, size_t size)
     }
 }
 
-mu_result load_construct(struct mind *m, const char *path, struct clips_form f,
+mu_result load_construct(struct mind *m, const char *path, struct syntax_form f,
                          struct mu_fault *fault)
 {
     struct mu_text form;
     mu_text_init(&form, m->loader->form, LOAD_FILE_MAX);
-    clips_text_rewrite(&form, f.at, f.len);
+    syntax_rewrite(&form, f.at, f.len);
     if (form.cut) {
         return mu_fault_at(fault, path, f.line, 0, "this form is too long");
     }
@@ -111,32 +111,32 @@ mu_result load_construct(struct mind *m, const char *path, struct clips_form f,
         return mu_fault_at(fault, path, line, 0, "%s",
                            said[0] ? said : "CLIPS does not accept this form");
     }
-    clips_place_note(m, f.at, path, f.line);
+    source_lines_note(m, f.at, path, f.line);
     return MU_OK;
 }
 
 /* @return whether the form begins with this word; then *behind is where it goes on */
-static bool load_begins(struct clips_form f, const char *begin, const char **behind)
+static bool load_begins(struct syntax_form f, const char *begin, const char **behind)
 {
     *behind = f.at + 1;
-    struct clips_field word = clips_text_field(behind);
-    return word.kind == CLIPS_FIELD_SYMBOL && word.len == strlen(begin) &&
+    struct syntax_field word = syntax_read_field(behind);
+    return word.kind == SYNTAX_FIELD_SYMBOL && word.len == strlen(begin) &&
            strncmp(word.at, begin, word.len) == 0;
 }
 
 /* @return whether the form is (extends "FILE"); well_formed: with the file's name copied */
-static bool load_is_extends(struct clips_form f, char *name, size_t size, bool *well_formed)
+static bool load_is_extends(struct syntax_form f, char *name, size_t size, bool *well_formed)
 {
     const char *at;
     if (!load_begins(f, "extends", &at)) {
         return false;
     }
-    struct clips_field file = clips_text_field(&at);
-    struct clips_field close = clips_text_field(&at);
-    *well_formed = file.kind == CLIPS_FIELD_STRING && file.len < size &&
-                   close.kind == CLIPS_FIELD_BAD && *at == ')';
+    struct syntax_field file = syntax_read_field(&at);
+    struct syntax_field close = syntax_read_field(&at);
+    *well_formed = file.kind == SYNTAX_FIELD_STRING && file.len < size &&
+                   close.kind == SYNTAX_FIELD_BAD && *at == ')';
     if (*well_formed) {
-        clips_text_unescape(name, file.at, file.len);
+        syntax_unescape(name, file.at, file.len);
     }
     return true;
 }
@@ -229,12 +229,12 @@ static mu_result load_layer(struct mind *m, const char *path, int line, const ch
                             struct mu_fault *fault)
 {
     char name[MU_FIELD_MAX + 1] = "";
-    struct clips_field layer = clips_text_field(&at);
-    struct clips_field function = clips_text_field(&at);
-    struct clips_field close = clips_text_field(&at);
-    bool well_formed = layer.kind == CLIPS_FIELD_INTEGER && layer.integer >= 1 &&
-                       layer.integer <= UINT32_MAX && function.kind == CLIPS_FIELD_SYMBOL &&
-                       function.len < sizeof name && close.kind == CLIPS_FIELD_BAD && *at == ')';
+    struct syntax_field layer = syntax_read_field(&at);
+    struct syntax_field function = syntax_read_field(&at);
+    struct syntax_field close = syntax_read_field(&at);
+    bool well_formed = layer.kind == SYNTAX_FIELD_INTEGER && layer.integer >= 1 &&
+                       layer.integer <= UINT32_MAX && function.kind == SYNTAX_FIELD_SYMBOL &&
+                       function.len < sizeof name && close.kind == SYNTAX_FIELD_BAD && *at == ')';
     if (!well_formed) {
         return mu_fault_at(fault, path, line, 0,
                            "expected (on-layer LAYER FUNCTION): a number from 1 on, a deffunction");
@@ -252,16 +252,16 @@ static mu_result load_layer(struct mind *m, const char *path, int line, const ch
                                     name);
 }
 
-static mu_result load_form(struct mind *m, const char *path, struct clips_form f,
+static mu_result load_form(struct mind *m, const char *path, struct syntax_form f,
                            struct mu_fault *fault)
 {
     char name[LOAD_PATH_MAX];
     const char *at;
     bool well_formed = false;
-    if (f.kind == CLIPS_FORM_BAD) {
+    if (f.kind == SYNTAX_FORM_BAD) {
         return mu_fault_at(fault, path, f.line, 0, "%s", f.what);
     }
-    if (f.kind == CLIPS_FORM_ATOM) {
+    if (f.kind == SYNTAX_FORM_ATOM) {
         return mu_fault_at(fault, path, f.line, 0, "expected a construct, found %.*s",
                            (int)(f.len < 40 ? f.len : 40), f.at);
     }
@@ -283,8 +283,8 @@ mu_result load_text(struct mind *m, const char *path, const char *at, struct mu_
     mu_result r = MU_OK;
     m->loader->files[m->loader->files_deep++] = path;
     while (r == MU_OK) {
-        struct clips_form f = clips_text_form(&at, &line);
-        if (f.kind == CLIPS_FORM_END) {
+        struct syntax_form f = syntax_read_form(&at, &line);
+        if (f.kind == SYNTAX_FORM_END) {
             break;
         }
         r = load_form(m, path, f, fault);

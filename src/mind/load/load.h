@@ -35,7 +35,7 @@ MU_MUST_USE mu_result load_text(struct mind *m, const char *path, const char *at
 MU_MUST_USE mu_result load_begin(struct mind *m, const char *path, struct mu_fault *fault);
 
 /** Loads one construct.  @return MU_OK, or MU_FAULT_FILE with what CLIPS said */
-MU_MUST_USE mu_result load_construct(struct mind *m, const char *path, struct clips_form f,
+MU_MUST_USE mu_result load_construct(struct mind *m, const char *path, struct syntax_form f,
                                      struct mu_fault *fault);
 
 #endif

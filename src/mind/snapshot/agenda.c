@@ -29,7 +29,7 @@ static void basis_add(struct mu_text *key, const struct partialMatch *basis)
     for (unsigned i = 0; i < basis->bcount; i++) {
         const struct alphaMatch *match = basis->binds[i].gm.theMatch;
         mu_text_add(key, ",");
-        clips_value_add_match(key, match);
+        value_add_match(key, match);
         for (const struct multifieldMarker *k = match ? match->markers : NULL; k; k = k->next) {
             mu_text_format(key, ":%d/%ld-%ld", k->whichField, k->startPosition, k->endPosition);
         }

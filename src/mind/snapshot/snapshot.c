@@ -105,7 +105,7 @@ static void constructs_save(struct mind *m, struct mu_text *out)
 }
 
 /* @return whether a form defines what every mind has, and does not let be redefined */
-static bool form_is_ours(struct clips_form f)
+static bool form_is_ours(struct syntax_form f)
 {
     static const char mail[] = "(deftemplate MAIN::mail";
     return f.len > sizeof mail && strncmp(f.at, mail, sizeof mail - 1) == 0 &&
@@ -116,9 +116,9 @@ static mu_result constructs_load(struct snapshot *c)
 {
     size_t len = 0;
     while (true) {
-        struct clips_form f = clips_text_form(&c->at, &c->line);
-        bool is_list = f.kind == CLIPS_FORM_LIST;
-        if (f.kind == CLIPS_FORM_ATOM && strncmp(f.at, "constructs-end", f.len) == 0) {
+        struct syntax_form f = syntax_read_form(&c->at, &c->line);
+        bool is_list = f.kind == SYNTAX_FORM_LIST;
+        if (f.kind == SYNTAX_FORM_ATOM && strncmp(f.at, "constructs-end", f.len) == 0) {
             break;
         }
         if (!is_list) {
@@ -281,7 +281,7 @@ static mu_result body_load(struct snapshot *c, char name[MU_NAME_MAX + 1])
     MU_TRY(switches_load(c));
     MU_TRY(rules_load(c));
     environment_enter(m, CLIPS_MODE_QUIET);
-    budget_start(m, CLIPS_MEMORY_SPARE);
+    budget_start(m, BUDGET_MEMORY_SPARE);
     EnvIncrementGCLocks(m->env); /* nothing read here may go before it stands somewhere */
     mu_result r = gensym_load(c);
     struct snapshot globals = *c; /* patterns look at them, and they at facts */

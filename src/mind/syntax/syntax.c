@@ -57,15 +57,15 @@ static const char *skip_blank(const char *s, int *line)
     return s;
 }
 
-static struct clips_form form_bad(struct clips_form f, const char *what)
+static struct syntax_form form_bad(struct syntax_form f, const char *what)
 {
-    f.kind = CLIPS_FORM_BAD;
+    f.kind = SYNTAX_FORM_BAD;
     f.what = what;
     return f;
 }
 
 /* @return the rest of a form that begins with a parenthesis */
-static struct clips_form form_list(struct clips_form f, const char **at, int *line)
+static struct syntax_form form_list(struct syntax_form f, const char **at, int *line)
 {
     const char *s = f.at;
     int depth = 0;
@@ -84,7 +84,7 @@ static struct clips_form form_list(struct clips_form f, const char **at, int *li
         *line += *s == '\n';
         depth += (*s == '(') - (*s == ')');
         s++;
-        if (depth > CLIPS_NESTING_MAX) {
+        if (depth > SYNTAX_NESTING_MAX) {
             return form_bad(f, "more than 256 nested parentheses");
         }
         if (depth == 0) {
@@ -98,13 +98,13 @@ static struct clips_form form_list(struct clips_form f, const char **at, int *li
     return form_bad(f, "a parenthesis is never closed");
 }
 
-struct clips_form clips_text_form(const char **at, int *line)
+struct syntax_form syntax_read_form(const char **at, int *line)
 {
     const char *s = skip_blank(*at, line);
-    struct clips_form f = {.kind = CLIPS_FORM_LIST, .at = s, .line = *line};
+    struct syntax_form f = {.kind = SYNTAX_FORM_LIST, .at = s, .line = *line};
     *at = s;
     if (*s == '\0') {
-        f.kind = CLIPS_FORM_END;
+        f.kind = SYNTAX_FORM_END;
         return f;
     }
     if (*s == '(') {
@@ -115,7 +115,7 @@ struct clips_form clips_text_form(const char **at, int *line)
         *at = s + 1;
         return form_bad(f, "a ')' too many");
     }
-    f.kind = CLIPS_FORM_ATOM;
+    f.kind = SYNTAX_FORM_ATOM;
     if (*s == '"') {
         *at = skip_string(s, line);
         f.len = (size_t)(*at - s);
@@ -130,15 +130,15 @@ struct clips_form clips_text_form(const char **at, int *line)
     return f;
 }
 
-const char *clips_text_check(const char *text)
+const char *syntax_check(const char *text)
 {
     int line = 1;
     for (;;) {
-        struct clips_form f = clips_text_form(&text, &line);
-        if (f.kind == CLIPS_FORM_BAD) {
+        struct syntax_form f = syntax_read_form(&text, &line);
+        if (f.kind == SYNTAX_FORM_BAD) {
             return f.what;
         }
-        if (f.kind == CLIPS_FORM_END) {
+        if (f.kind == SYNTAX_FORM_END) {
             return NULL;
         }
     }
@@ -222,7 +222,7 @@ static const char *rewrite_next(struct rewriter *r, const char *s)
     return e;
 }
 
-void clips_text_rewrite(struct mu_text *out, const char *form, size_t len)
+void syntax_rewrite(struct mu_text *out, const char *form, size_t len)
 {
     if (!list_is(form, form + len, "defrule")) {
         mu_text_add_bytes(out, form, len);
@@ -234,7 +234,7 @@ void clips_text_rewrite(struct mu_text *out, const char *form, size_t len)
     }
 }
 
-void clips_text_as_written(char *text)
+void syntax_as_written(char *text)
 {
     char *to = text;
     const char *from = text, *open;
@@ -258,7 +258,7 @@ void clips_text_as_written(char *text)
 }
 
 /* Fills in a number if the word is one as CLIPS writes them: 12, -3, 1.5, .5, 1e3. */
-static bool field_number(struct clips_field *f)
+static bool field_number(struct syntax_field *f)
 {
     char word[64];
     if (f->len >= sizeof word) {
@@ -273,42 +273,42 @@ static bool field_number(struct clips_field *f)
     if (!strpbrk(word, ".eE")) {
         errno = 0;
         f->integer = strtoll(word, &end, 10);
-        f->kind = CLIPS_FIELD_INTEGER;
+        f->kind = SYNTAX_FIELD_INTEGER;
         if (*end == '\0' && errno == 0) {
             return true;
         }
     }
     f->real = strtod(word, &end);
-    f->kind = CLIPS_FIELD_FLOAT;
+    f->kind = SYNTAX_FIELD_FLOAT;
     return *end == '\0' && isfinite(f->real);
 }
 
-static struct clips_field field_string(const char **at)
+static struct syntax_field field_string(const char **at)
 {
     int lines = 0;
-    struct clips_field f = {.kind = CLIPS_FIELD_STRING, .at = *at + 1};
+    struct syntax_field f = {.kind = SYNTAX_FIELD_STRING, .at = *at + 1};
     const char *e = skip_string(*at, &lines);
     bool closed = e - *at > 1 && e[-1] == '"';
     if (!closed) {
-        return (struct clips_field){.kind = CLIPS_FIELD_BAD};
+        return (struct syntax_field){.kind = SYNTAX_FIELD_BAD};
     }
     f.len = (size_t)(e - f.at) - 1;
     *at = e;
     return f;
 }
 
-struct clips_field clips_text_field(const char **at)
+struct syntax_field syntax_read_field(const char **at)
 {
     while (is_space(**at)) {
         (*at)++;
     }
-    struct clips_field f = {.kind = CLIPS_FIELD_SYMBOL, .at = *at};
+    struct syntax_field f = {.kind = SYNTAX_FIELD_SYMBOL, .at = *at};
     if (**at == '\0') {
-        f.kind = CLIPS_FIELD_END;
+        f.kind = SYNTAX_FIELD_END;
         return f;
     }
     if (**at == '(' || **at == ')') {
-        f.kind = CLIPS_FIELD_BAD;
+        f.kind = SYNTAX_FIELD_BAD;
         return f;
     }
     if (**at == '"') {
@@ -319,16 +319,16 @@ struct clips_field clips_text_field(const char **at)
     }
     f.len = (size_t)(*at - f.at);
     if (f.len > 2 && f.at[0] == '[' && f.at[f.len - 1] == ']') {
-        f.kind = CLIPS_FIELD_INSTANCE;
+        f.kind = SYNTAX_FIELD_INSTANCE;
         f.at++;
         f.len -= 2;
     } else if (!field_number(&f)) {
-        f.kind = CLIPS_FIELD_SYMBOL;
+        f.kind = SYNTAX_FIELD_SYMBOL;
     }
     return f;
 }
 
-void clips_text_unescape(char *to, const char *from, size_t len)
+void syntax_unescape(char *to, const char *from, size_t len)
 {
     for (size_t i = 0; i < len; i++) {
         if (from[i] == '\\' && i + 1 < len) {
@@ -339,12 +339,12 @@ void clips_text_unescape(char *to, const char *from, size_t len)
     *to = '\0';
 }
 
-void clips_text_add_quoted(struct mu_text *out, const char *s)
+void syntax_add_quoted(struct mu_text *out, const char *s)
 {
     mu_fields_quote(out, s);
 }
 
-void clips_text_add_float(struct mu_text *out, double x)
+void syntax_add_float(struct mu_text *out, double x)
 {
     char digits[40];
     snprintf(digits, sizeof digits, "%.17g", x);
@@ -354,16 +354,16 @@ void clips_text_add_float(struct mu_text *out, double x)
     }
 }
 
-void clips_text_add_symbol(struct mu_text *out, const char *s)
+void syntax_add_symbol(struct mu_text *out, const char *s)
 {
     static const char unsafe[] = " \t\r\n\f\"()&|~;";
     const char *rest = s;
-    struct clips_field f = clips_text_field(&rest);
-    bool plain = f.kind == CLIPS_FIELD_SYMBOL && *rest == '\0' && !strpbrk(s, unsafe) &&
+    struct syntax_field f = syntax_read_field(&rest);
+    bool plain = f.kind == SYNTAX_FIELD_SYMBOL && *rest == '\0' && !strpbrk(s, unsafe) &&
                  *s != '<' && *s != '?' && strncmp(s, "$?", 2) != 0;
     if (plain) {
         mu_text_add(out, s);
     } else {
-        clips_text_add_quoted(out, s);
+        syntax_add_quoted(out, s);
     }
 }

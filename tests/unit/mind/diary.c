@@ -32,7 +32,7 @@ static struct mind *mind_with(bool diary, const char *program)
     static size_t count;
     struct mu_fault fault;
     struct mind_options options = {
-        .name = "red", .seed = 1, .diary = diary, .ports = {.send = post}};
+        .name = "red", .seed = 1, .trace = diary, .ports = {.send = post}};
     CU_ASSERT_FATAL(count < sizeof all / sizeof all[0]);
     CU_ASSERT_EQUAL_FATAL(mind_open(&all[count], &options, &fault), MU_OK);
     CU_ASSERT_EQUAL_FATAL(mind_load_text(all[count], "rules", program, &fault), MU_OK);
@@ -43,7 +43,7 @@ static const char *diary(struct mind *m)
 {
     struct mu_text out;
     mu_text_init(&out, text, sizeof text);
-    mind_diary(m, &out);
+    mind_trace(m, &out);
     CU_ASSERT(!out.cut);
     return text;
 }

@@ -44,17 +44,17 @@ static void test_forms(void)
         for (const char *c = text; *c; c++) {
             lines += *c == '\n';
         }
-        struct clips_form f;
-        while ((f = clips_text_form(&at, &line)).kind != CLIPS_FORM_END) {
+        struct syntax_form f;
+        while ((f = syntax_read_form(&at, &line)).kind != SYNTAX_FORM_END) {
             wrong += at > text + len || line > lines;
-            if (f.kind == CLIPS_FORM_BAD) {
+            if (f.kind == SYNTAX_FORM_BAD) {
                 wrong += f.what == NULL;
                 break;
             }
             wrong += f.at < before || f.at + f.len > at || f.len == 0;
             before = at;
         }
-        (void)clips_text_check(text);
+        (void)syntax_check(text);
     }
     CU_ASSERT_EQUAL(wrong, 0);
 }
@@ -74,9 +74,9 @@ static void test_rewriting_is_undone(void)
         size_t len = garble(&r, text, sizeof text, rule, sizeof rule - 1);
         struct mu_text out;
         mu_text_init(&out, rewritten, sizeof rewritten);
-        clips_text_rewrite(&out, text, len);
+        syntax_rewrite(&out, text, len);
         changed += strcmp(rewritten, text) != 0;
-        clips_text_as_written(rewritten);
+        syntax_as_written(rewritten);
         wrong += out.cut || strcmp(rewritten, text) != 0;
     }
     CU_ASSERT_EQUAL(wrong, 0);
@@ -95,10 +95,11 @@ static void test_fields(void)
         size_t len = damaged(&r, text);
         const char *at = text;
         const char *before = text;
-        struct clips_field f;
-        while ((f = clips_text_field(&at)).kind != CLIPS_FIELD_END && f.kind != CLIPS_FIELD_BAD) {
-            bool has_text = f.kind == CLIPS_FIELD_SYMBOL || f.kind == CLIPS_FIELD_STRING ||
-                            f.kind == CLIPS_FIELD_INSTANCE;
+        struct syntax_field f;
+        while ((f = syntax_read_field(&at)).kind != SYNTAX_FIELD_END &&
+               f.kind != SYNTAX_FIELD_BAD) {
+            bool has_text = f.kind == SYNTAX_FIELD_SYMBOL || f.kind == SYNTAX_FIELD_STRING ||
+                            f.kind == SYNTAX_FIELD_INSTANCE;
             wrong += at <= before || at > text + len;
             wrong += has_text && (f.at < before || f.at + f.len > at);
             before = at;
@@ -122,12 +123,12 @@ static void test_strings_read_back(void)
         (void)damaged(&r, text);
         struct mu_text out;
         mu_text_init(&out, quoted, sizeof quoted);
-        clips_text_add_quoted(&out, text);
+        syntax_add_quoted(&out, text);
         const char *at = quoted;
-        struct clips_field f = clips_text_field(&at);
-        wrong += out.cut || f.kind != CLIPS_FIELD_STRING || *at != '\0';
-        if (f.kind == CLIPS_FIELD_STRING) {
-            clips_text_unescape(back, f.at, f.len);
+        struct syntax_field f = syntax_read_field(&at);
+        wrong += out.cut || f.kind != SYNTAX_FIELD_STRING || *at != '\0';
+        if (f.kind == SYNTAX_FIELD_STRING) {
+            syntax_unescape(back, f.at, f.len);
             wrong += strcmp(back, text) != 0;
         }
     }
@@ -151,10 +152,10 @@ static void test_floats_and_symbols_read_back(void)
             continue;
         }
         mu_text_init(&out, buffer, sizeof buffer);
-        clips_text_add_float(&out, x);
+        syntax_add_float(&out, x);
         const char *at = buffer;
-        struct clips_field f = clips_text_field(&at);
-        wrong += f.kind != CLIPS_FIELD_FLOAT || memcmp(&f.real, &x, sizeof x) != 0 || *at != '\0';
+        struct syntax_field f = syntax_read_field(&at);
+        wrong += f.kind != SYNTAX_FIELD_FLOAT || memcmp(&f.real, &x, sizeof x) != 0 || *at != '\0';
     }
     CU_ASSERT_EQUAL(wrong, 0);
     static const char *const odd[] = {"",     "a b", "1",    "-1.5", "\"",      "(", "[a]",
@@ -165,13 +166,13 @@ static void test_floats_and_symbols_read_back(void)
         char buffer[64];
         struct mu_text out;
         mu_text_init(&out, buffer, sizeof buffer);
-        clips_text_add_symbol(&out, odd[i]);
+        syntax_add_symbol(&out, odd[i]);
         const char *at = buffer;
-        struct clips_field f = clips_text_field(&at);
+        struct syntax_field f = syntax_read_field(&at);
         char back[64] = "";
-        if (f.kind == CLIPS_FIELD_STRING) {
-            clips_text_unescape(back, f.at, f.len);
-        } else if (f.kind == CLIPS_FIELD_SYMBOL) {
+        if (f.kind == SYNTAX_FIELD_STRING) {
+            syntax_unescape(back, f.at, f.len);
+        } else if (f.kind == SYNTAX_FIELD_SYMBOL) {
             snprintf(back, sizeof back, "%.*s", (int)f.len, f.at);
         }
         CU_ASSERT_STRING_EQUAL(back, odd[i]);

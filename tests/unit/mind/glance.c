@@ -76,7 +76,7 @@ static void soul_begin(struct soul *s, const char *library, const char *rules)
                                    .rules_folder = library,
                                    .forward_max_m_s = 0.5,
                                    .turn_max_rad_s = 1.5,
-                                   .diary = true,
+                                   .trace = true,
                                    .ports = {.self = s,
                                              .send = post,
                                              .print = print,
@@ -201,7 +201,7 @@ static void step(struct soul *s, uint64_t n, uint32_t most)
     CU_ASSERT_EQUAL(mind_take_mail(s->mind, &mail), MU_OK);
     mind_fire_some(s->mind, most, &act);
     mu_text_init(&diary, diary_bytes, sizeof diary_bytes);
-    mind_diary(s->mind, &diary);
+    mind_trace(s->mind, &diary);
     mu_text_format(&s->log, "%llu: %s [%d %a %a] end %d %s\n%s", (unsigned long long)n, act.rules,
                    act.drives, act.forward_m_s, act.turn_rad_s, (int)act.end,
                    act.why ? act.why : "", diary.at);

@@ -47,7 +47,7 @@ static void print(void *self, const char *text)
 }
 
 static const struct mind_options options = {
-    .name = "red", .seed = 1, .diary = true, .ports = {.send = post, .print = print}};
+    .name = "red", .seed = 1, .trace = true, .ports = {.send = post, .print = print}};
 
 static const struct mind_mail mail = {.id = 7,
                                       .src = "blue",
@@ -194,7 +194,7 @@ static void begin(bool with_rules)
 static void leave_room(size_t room)
 {
     memset(MemoryData(mind->env)->MemoryTable, 0, MEM_TABLE_SIZE * sizeof(struct memoryPtr *));
-    mind->heap.held = CLIPS_MEMORY_BURST - room;
+    mind->heap.held = BUDGET_MEMORY_BURST - room;
 }
 
 static void all_answers(void)

@@ -11,9 +11,9 @@ static void rewrites(const char *from, const char *want)
     char bytes[512];
     struct mu_text out;
     mu_text_init(&out, bytes, sizeof bytes);
-    clips_text_rewrite(&out, from, strlen(from));
+    syntax_rewrite(&out, from, strlen(from));
     CU_ASSERT_STRING_EQUAL(bytes, want);
-    clips_text_as_written(bytes);
+    syntax_as_written(bytes);
     CU_ASSERT_STRING_EQUAL(bytes, from);
 }
 
@@ -42,7 +42,7 @@ static void test_globals_in_patterns(void)
 static void test_as_written_over_a_line_break(void)
 {
     char text[] = "(message mate-pos =(progn\n      ?*mate*) ?x) =(progn 1)";
-    clips_text_as_written(text);
+    syntax_as_written(text);
     CU_ASSERT_STRING_EQUAL(text, "(message mate-pos ?*mate* ?x) =(progn 1)");
 }
 
@@ -50,40 +50,40 @@ static void test_forms(void)
 {
     const char *at = "; comment (\n(a \")\" ; )\n)\n word \"str\"(b) ) (c";
     static const struct {
-        enum clips_form_kind kind;
+        enum syntax_form_kind kind;
         const char *text;
         int line;
-    } want[] = {{CLIPS_FORM_LIST, "(a \")\" ; )\n)", 2},
-                {CLIPS_FORM_ATOM, "word", 4},
-                {CLIPS_FORM_ATOM, "\"str\"", 4},
-                {CLIPS_FORM_LIST, "(b)", 4},
-                {CLIPS_FORM_BAD, ")", 4},
-                {CLIPS_FORM_BAD, "(c", 4}};
+    } want[] = {{SYNTAX_FORM_LIST, "(a \")\" ; )\n)", 2},
+                {SYNTAX_FORM_ATOM, "word", 4},
+                {SYNTAX_FORM_ATOM, "\"str\"", 4},
+                {SYNTAX_FORM_LIST, "(b)", 4},
+                {SYNTAX_FORM_BAD, ")", 4},
+                {SYNTAX_FORM_BAD, "(c", 4}};
     int line = 1;
     for (size_t i = 0; i < sizeof want / sizeof want[0]; i++) {
-        struct clips_form f = clips_text_form(&at, &line);
+        struct syntax_form f = syntax_read_form(&at, &line);
         CU_ASSERT_EQUAL(f.kind, want[i].kind);
         CU_ASSERT_EQUAL(f.line, want[i].line);
         CU_ASSERT(f.len == strlen(want[i].text) && strncmp(f.at, want[i].text, f.len) == 0);
     }
-    CU_ASSERT_EQUAL(clips_text_form(&at, &line).kind, CLIPS_FORM_END);
+    CU_ASSERT_EQUAL(syntax_read_form(&at, &line).kind, SYNTAX_FORM_END);
 }
 
 static void test_fields(void)
 {
     const char *at = "mate-pos \"a \\\"b\\\"\" -12 1.5 1e3 9223372036854775808 + 1-2 [name] "
                      "1e999 ?x";
-    static const enum clips_field_kind want[] = {
-        CLIPS_FIELD_SYMBOL,   CLIPS_FIELD_STRING, CLIPS_FIELD_INTEGER, CLIPS_FIELD_FLOAT,
-        CLIPS_FIELD_FLOAT,    CLIPS_FIELD_FLOAT,  CLIPS_FIELD_SYMBOL,  CLIPS_FIELD_SYMBOL,
-        CLIPS_FIELD_INSTANCE, CLIPS_FIELD_SYMBOL, CLIPS_FIELD_SYMBOL,  CLIPS_FIELD_END};
+    static const enum syntax_field_kind want[] = {
+        SYNTAX_FIELD_SYMBOL,   SYNTAX_FIELD_STRING, SYNTAX_FIELD_INTEGER, SYNTAX_FIELD_FLOAT,
+        SYNTAX_FIELD_FLOAT,    SYNTAX_FIELD_FLOAT,  SYNTAX_FIELD_SYMBOL,  SYNTAX_FIELD_SYMBOL,
+        SYNTAX_FIELD_INSTANCE, SYNTAX_FIELD_SYMBOL, SYNTAX_FIELD_SYMBOL,  SYNTAX_FIELD_END};
     for (size_t i = 0; i < sizeof want / sizeof want[0]; i++) {
-        CU_ASSERT_EQUAL(clips_text_field(&at).kind, want[i]);
+        CU_ASSERT_EQUAL(syntax_read_field(&at).kind, want[i]);
     }
     at = "(a)";
-    CU_ASSERT_EQUAL(clips_text_field(&at).kind, CLIPS_FIELD_BAD);
+    CU_ASSERT_EQUAL(syntax_read_field(&at).kind, SYNTAX_FIELD_BAD);
     at = "\"open";
-    CU_ASSERT_EQUAL(clips_text_field(&at).kind, CLIPS_FIELD_BAD);
+    CU_ASSERT_EQUAL(syntax_read_field(&at).kind, SYNTAX_FIELD_BAD);
 }
 
 static void test_numbers_and_symbols_read_back(void)
@@ -95,20 +95,20 @@ static void test_numbers_and_symbols_read_back(void)
     struct mu_text out;
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         mu_text_init(&out, bytes, sizeof bytes);
-        clips_text_add_float(&out, numbers[i]);
+        syntax_add_float(&out, numbers[i]);
         const char *at = bytes;
-        struct clips_field f = clips_text_field(&at);
-        CU_ASSERT_EQUAL(f.kind, CLIPS_FIELD_FLOAT);
+        struct syntax_field f = syntax_read_field(&at);
+        CU_ASSERT_EQUAL(f.kind, SYNTAX_FIELD_FLOAT);
         CU_ASSERT(f.real == numbers[i] && *at == '\0');
     }
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         char word[64];
         mu_text_init(&out, bytes, sizeof bytes);
-        clips_text_add_symbol(&out, words[i]);
+        syntax_add_symbol(&out, words[i]);
         const char *at = bytes;
-        struct clips_field f = clips_text_field(&at);
-        CU_ASSERT_EQUAL(f.kind, i == 0 ? CLIPS_FIELD_SYMBOL : CLIPS_FIELD_STRING);
-        clips_text_unescape(word, f.at, f.len);
+        struct syntax_field f = syntax_read_field(&at);
+        CU_ASSERT_EQUAL(f.kind, i == 0 ? SYNTAX_FIELD_SYMBOL : SYNTAX_FIELD_STRING);
+        syntax_unescape(word, f.at, f.len);
         CU_ASSERT_STRING_EQUAL(word, words[i]);
         CU_ASSERT_EQUAL(*at, '\0');
     }
