@@ -204,7 +204,7 @@ const struct engine_sample *engine_sense_all(struct engine *e, const uint32_t wa
     space_refresh(e);
     sensors_read_all(e->sensors, wanted, e->steps);
     for (size_t i = 0; i < e->robot_count; i++) {
-        engine_feel(e, i, &e->samples[i]);
+        percept_read(e, i, &e->samples[i]);
         e->bodies[i].placed = false;
         sensors_tell(e->sensors, i, wanted[i], &e->samples[i].percept);
     }

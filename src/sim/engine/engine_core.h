@@ -245,7 +245,7 @@ void separate_all(struct engine *e);
 /* percept.c: */
 
 /** Fills in all readings of a robot but the lists of its sensors.  Changes no state. */
-void engine_feel(const struct engine *e, size_t robot, struct engine_sample *out);
+void percept_read(const struct engine *e, size_t robot, struct engine_sample *out);
 
 /* sanity.c: */
 

@@ -10,7 +10,7 @@ struct world_pose engine_pose(const struct engine *e, size_t body)
     return (struct world_pose){m->x, m->y, heading <= -M_PI ? M_PI : heading};
 }
 
-void engine_feel(const struct engine *e, size_t robot, struct engine_sample *out)
+void percept_read(const struct engine *e, size_t robot, struct engine_sample *out)
 {
     const struct engine_robot *r = &e->robots[robot];
     const struct ode_motion *m = &e->bodies[robot].motion;
