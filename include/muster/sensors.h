@@ -49,9 +49,10 @@
  * most, unit in rules, fact, text).  A list of floats is one fact, and one list on the page; of
  * records, each is a fact. */
 #define MU_CHANNELS(X) \
-    X(SONAR, MU_SENSE_SONAR, float, sonar_m, sonar_count, MU_SONARS_MAX, MM, "sonar", "") \
+    X(SONAR, MU_SENSE_SONAR, float, sonar_m, sonar_count, MU_SONARS_MAX, MM, "sonar", \
+      "ranges of the ring, as the world file has them") \
     X(LASER, MU_SENSE_LASER, float, laser_m, laser_count, MU_BEAMS_MAX, MM, "laser", \
-      "from right to left") \
+      "ranges of the scanner, from right to left") \
     X(BLOBS, MU_SENSE_CAMERA, struct mu_blob, blobs, blob_count, MU_BLOBS_MAX, BLOB, "blob", \
       "nearest first") \
     X(FIDUCIALS, MU_SENSE_FIDUCIALS, struct mu_fiducial, fiducials, fiducial_count, \

@@ -38,38 +38,28 @@ const struct mu_field mu_readings[MU_READING_COUNT] = {
 };
 
 /* The fields of an element, by the column "unit in rules". */
-#define PLAIN(unit)                           \
-    {                                         \
-        {                                     \
-            MU_FIELD_float, MU_UNIT_##unit, 0 \
-        }                                     \
-    }
+#define PLAIN(unit) {MU_FIELD_float, MU_UNIT_##unit, 0},
 #define BLOB(type, member, unit, ...) \
     {MU_FIELD_##type, MU_UNIT_##unit, offsetof(struct mu_blob, member)},
 #define FIDUCIAL(type, member, unit, ...) \
     {MU_FIELD_##type, MU_UNIT_##unit, offsetof(struct mu_fiducial, member)},
-#define FIELDS_MM    PLAIN(MM)
-#define FIELDS_AS_IS PLAIN(AS_IS)
-#define FIELDS_BLOB   \
-    {                 \
-        MU_BLOB(BLOB) \
-    }
-#define FIELDS_FIDUCIAL       \
-    {                         \
-        MU_FIDUCIAL(FIDUCIAL) \
-    }
+#define FIELDS_MM       PLAIN(MM)
+#define FIELDS_AS_IS    PLAIN(AS_IS)
+#define FIELDS_BLOB     MU_BLOB(BLOB)
+#define FIELDS_FIDUCIAL MU_FIDUCIAL(FIDUCIAL)
 
 const struct mu_channel mu_channels[MU_CHANNEL_COUNT] = {
-#define X(id, all, type, member, counted, limit, unit, word, ...) \
+#define X(id, all, type, member, counted, limit, unit, word, said) \
     {.fact = word, \
+     .text = said, \
      .senses = all, \
      .list = offsetof(struct mu_percept, member), \
      .count = offsetof(struct mu_percept, counted), \
      .most = limit, \
      .bytes = sizeof(type), \
      .plain = _Generic((type *)0, float *: true, default: false), \
-     .fields = (const struct mu_field[])FIELDS_##unit, \
-     .field_count = sizeof((const struct mu_field[])FIELDS_##unit) / sizeof(struct mu_field)},
+     .fields = (const struct mu_field[]){FIELDS_##unit}, \
+     .field_count = sizeof((const struct mu_field[]){FIELDS_##unit}) / sizeof(struct mu_field)},
     MU_CHANNELS(X)
 #undef X
 };

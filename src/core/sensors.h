@@ -45,7 +45,7 @@ enum mu_reading { MU_READINGS(MU_READING_NUMBER_) MU_READING_COUNT };
 extern const struct mu_field mu_readings[MU_READING_COUNT];
 
 struct mu_channel {
-    const char *fact;
+    const char *fact, *text;
     uint32_t senses;    /* that must all be asked for */
     size_t list, count; /* where struct mu_percept has them */
     size_t most, bytes; /* elements, and bytes of each */

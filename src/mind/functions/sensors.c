@@ -107,23 +107,10 @@ static bool list_index(void *env, const struct mu_channel *c, int argument, size
     return true;
 }
 
-/* The plain list that the function called is named after. */
-static const struct mu_channel *list_called(void *env)
-{
-    const char *name =
-        ValueToString(ExpressionFunctionCallName(EvaluationData(env)->CurrentExpression));
-    size_t i = 0;
-    while (strcmp(mu_channels[i].fact, name) != 0) {
-        i++;
-        MU_ASSERT(i < MU_CHANNEL_COUNT);
-    }
-    return &mu_channels[i];
-}
-
 void sensors_list(void *env, DATA_OBJECT *out)
 {
     struct mind *m = environment_mind(env);
-    const struct mu_channel *c = list_called(env);
+    const struct mu_channel *c = GetEnvironmentFunctionContext(env);
     size_t count;
     const char *elements = mu_channel_list(c, &m->inputs->percept, &count);
     int arguments = EnvRtnArgCount(env);

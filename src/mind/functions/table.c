@@ -79,6 +79,13 @@ static void speech_install(struct mind *m)
     }
 }
 
+/* A plain list of the table of sensors has a function of its fact's name.  The sonars' is a row
+ * above. */
+static bool function_is_list(size_t number)
+{
+    return mu_channels[number].plain && number != MU_CHANNEL_SONAR;
+}
+
 static struct expr *sense_parse(void *env, struct expr *top, const char *source)
 {
     const struct FunctionDefinition *f = top->value;
@@ -94,7 +101,26 @@ static void sense_install(struct mind *m)
 #define NOTE(id, word, ...) function_note(m, word, sense_parse);
     MU_SENSORS(NOTE)
 #undef NOTE
+    for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
+        if (function_is_list(i)) {
+            function_note(m, mu_channels[i].fact, sense_parse);
+        }
+    }
     function_note(m, "clear-way", sense_parse);
+}
+
+/* One function reads all plain lists; which one is its context. */
+static void lists_install(struct mind *m)
+{
+    for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
+        const struct mu_channel *c = &mu_channels[i];
+        if (function_is_list(i)) {
+            int (*call)(void *) = (int (*)(void *))(void (*)(void))sensors_list;
+            int known = EnvDefineFunction2WithContext(m->env, c->fact, 'u', call, "sensors_list",
+                                                      "02i", (void *)(uintptr_t)c);
+            MU_ASSERT(known);
+        }
+    }
 }
 
 void functions_install(struct mind *m)
@@ -108,6 +134,7 @@ void functions_install(struct mind *m)
             MU_ASSERT(known);
         }
     }
+    lists_install(m);
     AddFunctionParser(m->env, "findall", query_parse);
     AddFunctionParser(m->env, "getmsg", mailbox_parse_getmsg);
     speech_install(m);
@@ -122,6 +149,16 @@ static void function_add_cell(struct mu_text *out, const char *text)
     }
 }
 
+static void function_add_list(struct mu_text *out, const struct mu_channel *c)
+{
+    mu_text_format(out,
+                   "| `(%s [from [to]])` | %s%s: all, those of from..to, or the one with index "
+                   "from, counted from 0; what is not there is an error.  `(%s)` is `()` if the "
+                   "body has none, or nothing looked at it before this step: a body reads only "
+                   "what rules look at |\n",
+                   c->fact, c->text, c->fields[0].unit == MU_UNIT_MM ? ", in mm" : "", c->fact);
+}
+
 void functions_page(struct mu_text *out)
 {
     for (size_t g = 0; g < FUNCTION_GROUPS; g++) {
@@ -133,6 +170,11 @@ void functions_page(struct mu_text *out)
             mu_text_add(out, "` | ");
             function_add_cell(out, function_groups[g].rows[i].text);
             mu_text_add(out, " |\n");
+        }
+        for (size_t i = 0; i < MU_CHANNEL_COUNT && g == 0; i++) {
+            if (function_is_list(i)) {
+                function_add_list(out, &mu_channels[i]);
+            }
         }
     }
 }

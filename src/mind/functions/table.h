@@ -31,12 +31,6 @@
       "(sonar [i [otherwise]])", \
       "all ranges in mm, or the one with index i, from 0; `otherwise` where the body has none " \
       "such") \
-    X("laser", 'u', sensors_list, "02i", \
-      "(laser [from [to]])", \
-      "all ranges in mm from right to left, those of the beams from..to, or the one with index " \
-      "from, counted from 0 at the right; what is not there is an error.  `(laser)` is `()` if " \
-      "the body has no laser, or no call of laser was there before this step: a body reads only " \
-      "what rules look at") \
     X("camera", 'm', sensors_camera, "01k", \
       "(camera [color])", \
       "the blobs in the camera's picture, nearest first, each in four fields: colour (a name " \
@@ -299,6 +293,11 @@ FUNCTIONS_PHYSICAL(X)
 FUNCTIONS_AGENT(X)
 FUNCTIONS_EXTENSIONS(X)
 #undef X
+
+/* sensors.c */
+
+/** Reads a plain list of the percept: the row of mu_channels that is the function's context. */
+void sensors_list(void *env, DATA_OBJECT *out);
 
 /* query.c */
 struct expr *query_parse(void *env, struct expr *top, const char *source);
