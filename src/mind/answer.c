@@ -33,20 +33,15 @@ static bool answer_write(struct mind *m, DATA_OBJECT *value, struct mu_text *out
 
 bool mind_answer(struct mind *m, const struct mind_mail *mail, struct mu_text *out)
 {
-    if (CLIPS_BROKEN(m)) {
-        return false;
-    }
-    struct deffunctionStruct *f = answer_function(m, mail->content);
-    if (!f) {
+    struct deffunctionStruct *f = state_has_rules(m) ? answer_function(m, mail->content) : NULL;
+    if (!f || !MIND_ENTER(m, STATE_HANDLE)) {
         return false;
     }
     struct expr call = {.type = PCALL, .value = f};
     DATA_OBJECT result;
-    environment_enter(m, CLIPS_MODE_FIRE);
-    budget_start(m, 0);
     trace_mail(m, mail);
     bool good = !EvaluateExpression(m->env, &call, &result) && answer_write(m, &result, out);
-    bool failed = environment_leave(m);
+    bool failed = mind_leave(m);
     if (failed || m->said.len > 0) {
         complaint_show(m, "function", EnvGetDeffunctionName(m->env, f));
     }
@@ -69,7 +64,7 @@ void mind_goal(struct mind *m, char goal[MU_FIELD_MAX + 1])
 {
     struct mu_text out;
     mu_text_init(&out, goal, MU_FIELD_MAX + 1);
-    const struct deftemplate *t = m->env ? EnvFindDeftemplate(m->env, "goal") : NULL;
+    const struct deftemplate *t = state_has_rules(m) ? EnvFindDeftemplate(m->env, "goal") : NULL;
     if (!t || !t->implied || !t->lastFact) {
         return;
     }
@@ -117,12 +112,12 @@ static bool layer_call(struct mind *m, const struct mind_mail *mail, const char 
     }
     struct expr call = {.type = PCALL, .value = f, .argList = arguments};
     DATA_OBJECT result;
-    environment_enter(m, CLIPS_MODE_FIRE);
+    environment_begin(m);
     m->output->handled = mail;
     EvaluateExpression(m->env, &call, &result);
     m->output->handled = NULL;
     bool passes = result.type == SYMBOL && result.value == EnvFalseSymbol(m->env);
-    bool failed = environment_leave(m);
+    bool failed = environment_end(m);
     for (size_t i = 0; i + 1 < LAYERS_ARGUMENTS; i++) {
         AtomDeinstall(m->env, arguments[i].type, arguments[i].value);
     }
@@ -137,12 +132,10 @@ bool mind_handle(struct mind *m, const struct mind_mail *mail)
     struct layers_handler chain[LAYERS_HANDLERS_MAX]; /* a handler may add others */
     size_t count = m->output->handler_count;
     bool list, taken = false;
-    if (!mind_has_layer(m, layer_of(mail)) || CLIPS_BROKEN(m)) {
+    if (!mind_has_layer(m, layer_of(mail)) || !MIND_ENTER(m, STATE_HANDLE)) {
         return false;
     }
     memcpy(chain, m->output->handlers, count * sizeof chain[0]);
-    environment_enter(m, CLIPS_MODE_QUIET);
-    budget_start(m, 0);
     trace_mail(m, mail);
     struct multifield *fields = mailbox_content(m, mail, &list);
     MultifieldInstall(m->env, fields);
@@ -157,7 +150,7 @@ bool mind_handle(struct mind *m, const struct mind_mail *mail)
     AddToMultifieldList(m->env, fields); /* what the handlers left behind may still point to it */
     CleanCurrentGarbageFrame(m->env, NULL);
     CallPeriodicTasks(m->env);
-    environment_leave(m);
+    (void)mind_leave(m);
     return taken;
 }
 
@@ -190,22 +183,24 @@ static void facts_end_character(struct mu_text *out, size_t start)
 
 mu_result mind_facts(struct mind *m, const char *relation, struct mu_text *out)
 {
-    if (CLIPS_BROKEN(m)) {
-        m->out = NULL;
+    if (!state_has_rules(m)) {
         mu_text_format(out, CLIPS_BROKEN_TEXT "\n", m->lost);
         return MU_ABSENT;
     }
     struct deftemplate *t = relation[0] ? EnvFindDeftemplate(m->env, relation) : NULL;
-    size_t start = out->len;
-    unsigned count = 0;
     if (relation[0] && !t) {
         mu_text_format(out, "no facts %.63s\n", relation);
         return MU_ABSENT;
     }
+    if (!MIND_ENTER(m, STATE_LINE)) {
+        m->out = NULL;
+        mu_text_format(out, CLIPS_BROKEN_TEXT "\n", m->lost);
+        return MU_ABSENT;
+    }
+    size_t start = out->len;
+    unsigned count = 0;
     m->out = out;
-    environment_enter(m, CLIPS_MODE_LINE);
     percept_show(m);
-    budget_start(m, 0);
     for (struct fact *f = EnvGetNextFact(m->env, NULL); f && !out->cut;
          f = EnvGetNextFact(m->env, f)) {
         if (!t || f->whichDeftemplate == t) {
@@ -214,7 +209,7 @@ mu_result mind_facts(struct mind *m, const char *relation, struct mu_text *out)
             count++;
         }
     }
-    environment_leave(m);
+    (void)mind_leave(m);
     m->out = NULL;
     bool whole = !out->cut;
     if (whole) {

@@ -74,22 +74,22 @@ mu_result mind_line(struct mind *m, const char *line, struct mu_text *out)
         mu_text_format(out, "%s: %.*s\n", wrong, (int)(f.len < 40 ? f.len : 40), f.at);
         return MU_MALFORMED;
     }
-    if (CLIPS_BROKEN(m)) {
+    if (!MIND_ENTER(m, STATE_LINE)) {
         m->out = NULL;
         mu_text_format(out, CLIPS_BROKEN_TEXT "\n", m->lost);
         return MU_MALFORMED;
     }
     m->out = out;
     m->shown_count = 0;
-    budget_start(m, BUDGET_MEMORY_SPARE);
     bool done = true;
     while (done && (f = syntax_read_form(&line, &number)).kind != SYNTAX_FORM_END) {
-        environment_enter(m, CLIPS_MODE_LINE);
+        environment_begin(m);
         percept_show(m);
         trace_line(m, f);
         done = line_run(m, f);
-        environment_leave(m);
+        (void)environment_end(m);
     }
+    (void)mind_leave(m);
     if (m->stopped) {
         mu_text_format(out, "stopped: the guard for %s\n", m->stopped);
     }
@@ -130,9 +130,7 @@ static struct glance_before glance_begin(struct mind *m)
                                    .trace_lost = m->trace_lost,
                                    .next_fact = FactData(m->env)->NextFactIndex,
                                    .time_tag = DefruleData(m->env)->CurrentEntityTimeTag};
-    environment_enter(m, CLIPS_MODE_LINE);
-    m->sheltered = false; /* a mind that is short of memory does not break because of a look */
-    m->cost.units = m->worked = 0;
+    (void)mind_enter(m, STATE_LOOK);
     m->memory_max = LONG_MAX;
     percept_show(m);
     return before;
@@ -155,7 +153,7 @@ static void glance_end(struct mind *m, const struct glance_before *before)
     m->allocations = before->allocations;
     m->stopped = before->stopped;
     m->memory_max = before->memory_max;
-    (void)environment_leave(m);
+    (void)mind_leave(m);
 }
 
 /* Rules may have given a word of the list another meaning.  @return whether it is the engine's */
@@ -188,7 +186,7 @@ mu_result mind_glance(struct mind *m, const char *line, struct mu_text *out)
     char sink_bytes[1];
     struct mu_text sink;
     size_t start = out->len;
-    if (!m->env || !mu_glance_is(line) || !glance_is_plain(m, line)) {
+    if (!state_has_rules(m) || !mu_glance_is(line) || !glance_is_plain(m, line)) {
         return MU_ABSENT;
     }
     mu_text_init(&sink, sink_bytes, sizeof sink_bytes);
@@ -234,7 +232,7 @@ static void words_functions(struct mind *m, struct mu_text *out)
 
 void mind_words(struct mind *m, struct mu_text *out)
 {
-    if (!m->env) {
+    if (!state_has_rules(m)) {
         return;
     }
     words_functions(m, out);

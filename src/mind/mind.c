@@ -93,7 +93,7 @@ static mu_result env_take_options(struct mind *m, const struct mind_options *opt
 
 mu_result mind_begin(struct mind *m, const struct mind_options *options, struct mu_fault *fault)
 {
-    MU_ASSERT(!m->env);
+    MU_ASSERT(!state_has_rules(m));
     env_clear(m);
     MU_TRY(env_take_options(m, options, fault));
     mu_text_init(&m->fired, m->fired_bytes, sizeof m->fired_bytes);
@@ -101,15 +101,15 @@ mu_result mind_begin(struct mind *m, const struct mind_options *options, struct 
     mu_random_seed(&m->output->random, options->seed, m->options.name);
     heap_make(m);
     env_install(m);
-    if (CLIPS_BROKEN(m)) {
+    if (!MIND_ENTER(m, STATE_BEGIN)) {
         return mu_fault_at(fault, "", 0, 0, CLIPS_BROKEN_TEXT, m->lost);
     }
-    environment_enter(m, CLIPS_MODE_QUIET);
-    budget_start(m, 0);
     bool built = environment_build(m) && facts_build(m);
-    MU_ASSERT(!environment_leave(m) && built);
+    MU_ASSERT(!environment_end(m) && built);
     mailbox_install(m);
-    return env_load_library(m, fault);
+    mu_result loaded = env_load_library(m, fault);
+    (void)mind_leave(m);
+    return loaded;
 }
 
 mu_result mind_open(struct mind **out, const struct mind_options *options, struct mu_fault *fault)
@@ -123,13 +123,16 @@ mu_result mind_open(struct mind **out, const struct mind_options *options, struc
 
 bool mind_is_broken(const struct mind *m)
 {
-    return m->broken != NULL;
+    return m->state == MIND_FAILED;
 }
 
 void mind_close(struct mind *m)
 {
-    if (m && m->env) {
+    if (m && state_has_rules(m)) {
         heap_drop(m);
+    }
+    if (m) {
+        (void)state_on(m, STATE_CLOSE);
     }
 }
 
@@ -170,34 +173,36 @@ uint32_t mind_senses(const struct mind *m)
 
 mu_result mind_load(struct mind *m, const char *path, struct mu_fault *fault)
 {
-    if (CLIPS_BROKEN(m)) {
+    if (!MIND_ENTER(m, STATE_LOAD)) {
         return mu_fault_at(fault, path, 0, 0, CLIPS_BROKEN_TEXT, m->lost);
     }
     failures_clear(m);
-    MU_TRY(load_file(m, path, fault));
-    return load_begin(m, path, fault);
+    mu_result r = load_file(m, path, fault);
+    r = r == MU_OK ? load_begin(m, path, fault) : r;
+    (void)mind_leave(m);
+    return r;
 }
 
 mu_result mind_load_text(struct mind *m, const char *name, const char *text, struct mu_fault *fault)
 {
-    if (CLIPS_BROKEN(m)) {
+    if (!MIND_ENTER(m, STATE_LOAD)) {
         return mu_fault_at(fault, name, 0, 0, CLIPS_BROKEN_TEXT, m->lost);
     }
     failures_clear(m);
-    MU_TRY(load_text(m, name, text, fault));
-    return load_begin(m, name, fault);
+    mu_result r = load_text(m, name, text, fault);
+    r = r == MU_OK ? load_begin(m, name, fault) : r;
+    (void)mind_leave(m);
+    return r;
 }
 
 mu_result mind_save(struct mind *m, struct mu_text *out, struct mu_fault *fault)
 {
-    if (CLIPS_BROKEN(m)) {
+    if (!MIND_ENTER(m, STATE_SAVE)) {
         (void)mu_fault_at(fault, "capsule", 0, 0, CLIPS_BROKEN_TEXT, m->lost);
         return MU_REFUSED;
     }
-    environment_enter(m, CLIPS_MODE_QUIET);
-    budget_start(m, BUDGET_MEMORY_SPARE);
     mu_result r = snapshot_save(m, out, fault);
-    environment_leave(m);
+    (void)mind_leave(m);
     return r;
 }
 
@@ -231,7 +236,7 @@ mu_result mind_set_global(struct mind *m, const char *name, const char *field)
     struct mu_text build;
     DATA_OBJECT value;
     mu_text_init(&build, bytes, sizeof bytes);
-    if (CLIPS_BROKEN(m)) {
+    if (!state_has_rules(m)) {
         return MU_MALFORMED;
     }
     if (!EnvGetDefglobalValue(m->env, name, &value)) {
@@ -242,10 +247,11 @@ mu_result mind_set_global(struct mind *m, const char *name, const char *field)
         return MU_MALFORMED;
     }
     mu_text_add(&build, ")");
-    environment_enter(m, CLIPS_MODE_QUIET);
-    budget_start(m, 0);
+    if (!MIND_ENTER(m, STATE_LOAD)) {
+        return MU_MALFORMED;
+    }
     bool built = EnvBuild(m->env, build.at);
-    return environment_leave(m) || !built || build.cut ? MU_MALFORMED : MU_OK;
+    return mind_leave(m) || !built || build.cut ? MU_MALFORMED : MU_OK;
 }
 
 /* A copy has a name of its own. */
@@ -261,11 +267,12 @@ mu_result mind_restore(struct mind *m, const char *capsule, size_t len, struct m
 {
     char name[MU_NAME_MAX + 1];
     MU_TRY(snapshot_check(capsule, len, fault));
-    if (CLIPS_BROKEN(m)) {
+    if (!MIND_ENTER(m, STATE_LOAD)) {
         return mu_fault_at(fault, "capsule", 0, 0, CLIPS_BROKEN_TEXT, m->lost);
     }
-    MU_TRY(snapshot_load(m, capsule, fault, name));
-    return name_set(m, name);
+    mu_result r = snapshot_load(m, capsule, fault, name);
+    (void)mind_leave(m);
+    return r == MU_OK ? name_set(m, name) : r;
 }
 
 void mind_trace(struct mind *m, struct mu_text *out)

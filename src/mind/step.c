@@ -9,12 +9,10 @@
 /* Fires rules until one errs, the step ends, or the budget is used. */
 static uint32_t fire_some(struct mind *m, uint32_t budget, bool *failed)
 {
-    environment_enter(m, CLIPS_MODE_FIRE);
-    m->firing = true;
+    environment_begin(m);
     long long fired = EnvRun(m->env, budget);
-    m->firing = false;
     bool halted = GetHaltExecution(m->env); /* EnvRun itself clears the other flag */
-    environment_leave(m);
+    (void)environment_end(m);
     *failed = halted;
     if (halted) {
         failures_note(m);
@@ -59,23 +57,22 @@ void mind_fire(struct mind *m, struct mind_act *act)
 /* Nothing fires any more; the robot stands still. */
 static void fire_nothing(struct mind *m, struct mind_act *act)
 {
-    snprintf(m->reason, sizeof m->reason, "its rules are gone: %s", m->broken);
+    snprintf(m->reason, sizeof m->reason, "its rules are gone: %s", m->failed_by);
     *act = (struct mind_act){.drives = true,
                              .errors = 1,
                              .rules = "",
                              .end = MIND_STOPPED,
-                             .why = m->broken,
+                             .why = m->failed_by,
                              .enough = m->reason};
 }
 
 void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act)
 {
-    if (CLIPS_BROKEN(m)) {
+    if (!MIND_ENTER(m, STATE_FIRE)) {
         fire_nothing(m, act);
         return;
     }
     uint32_t budget = most < m->options.firings_max ? most : m->options.firings_max;
-    budget_start(m, 0);
     mu_text_clear(&m->fired);
     m->printed = 0;
     m->output->sense_again = false;
@@ -85,6 +82,7 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act)
     m->enough = false;
     m->output->act.rules = m->fired.at;
     trace_agenda(m);
+    (void)mind_leave(m);
     *act = m->output->act;
     m->output->act = (struct mind_act){.drives = false};
 }
@@ -92,32 +90,28 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act)
 void mind_percept(struct mind *m, const struct mu_percept *percept)
 {
     m->inputs->step++;
-    if (CLIPS_BROKEN(m)) {
+    if (!MIND_ENTER(m, STATE_SENSE)) {
         return;
     }
-    environment_enter(m, CLIPS_MODE_QUIET);
-    budget_start(m, 0);
     EnvIncrementGCLocks(m->env); /* nothing built here may go before it stands in a fact */
     trace_cause(m, 'S', "", "");
     percept_take(m, percept);
     events_assert(m);
     messages_age(m);
     EnvDecrementGCLocks(m->env);
-    environment_leave(m);
+    (void)mind_leave(m);
 }
 
 void mind_feel_nothing(struct mind *m, uint64_t time_ns)
 {
     m->inputs->step++;
-    if (CLIPS_BROKEN(m)) {
+    if (!MIND_ENTER(m, STATE_SENSE)) {
         return;
     }
-    environment_enter(m, CLIPS_MODE_QUIET);
-    budget_start(m, 0);
     percept_lose(m, time_ns);
     events_assert(m);
     messages_age(m);
-    environment_leave(m);
+    (void)mind_leave(m);
 }
 
 void mind_event(struct mind *m, enum mu_event event)
@@ -127,15 +121,13 @@ void mind_event(struct mind *m, enum mu_event event)
 
 void mind_event_now(struct mind *m, enum mu_event event, struct mind_act *act)
 {
-    volatile bool awaited = false; /* over what CLIPS_BROKEN comes back to */
+    volatile bool awaited = false; /* over what MIND_ENTER comes back to */
     *act = (struct mind_act){.rules = "", .end = MIND_IDLE};
     m->inputs->pending[event] = true;
-    if (!CLIPS_BROKEN(m)) {
-        environment_enter(m, CLIPS_MODE_QUIET);
-        budget_start(m, 0);
+    if (MIND_ENTER(m, STATE_SENSE)) {
         events_assert(m);
         awaited = events_are_awaited(m, event);
-        environment_leave(m);
+        (void)mind_leave(m);
     }
     if (awaited) {
         mind_fire(m, act);
@@ -146,7 +138,7 @@ void mind_mail_returned(struct mind *m, const char *verb, const char *to, const 
 {
     char what[2 * (MU_FIELD_MAX + 1)];
     struct mu_text t;
-    if (CLIPS_BROKEN(m) || !m->inputs->event->patternNetwork) {
+    if (!state_has_rules(m) || !m->inputs->event->patternNetwork) {
         return;
     }
     mu_text_init(&t, what, sizeof what);
@@ -156,25 +148,21 @@ void mind_mail_returned(struct mind *m, const char *verb, const char *to, const 
 
 void mind_refused(struct mind *m, const char *change, const char *reason)
 {
-    if (CLIPS_BROKEN(m)) {
+    if (!MIND_ENTER(m, STATE_SENSE)) {
         return;
     }
-    environment_enter(m, CLIPS_MODE_QUIET);
-    budget_start(m, 0);
     events_refuse(m, change, reason);
-    environment_leave(m);
+    (void)mind_leave(m);
 }
 
 mu_result mind_take_mail(struct mind *m, const struct mind_mail *mail)
 {
-    if (CLIPS_BROKEN(m)) {
+    if (!MIND_ENTER(m, STATE_TAKE)) {
         return MU_FULL;
     }
-    environment_enter(m, CLIPS_MODE_QUIET);
-    budget_start(m, 0);
     trace_mail(m, mail);
     mu_result r = mailbox_take(m, mail);
-    environment_leave(m);
+    (void)mind_leave(m);
     return r;
 }
 
@@ -193,27 +181,23 @@ static void relations_clear(struct mind *m, const char *const *relations)
 void mind_observe(struct mind *m, uint64_t time_ns, const char *const *relations)
 {
     m->inputs->step++;
-    if (CLIPS_BROKEN(m)) {
+    if (!MIND_ENTER(m, STATE_SENSE)) {
         return;
     }
-    environment_enter(m, CLIPS_MODE_QUIET);
-    budget_start(m, 0);
     m->inputs->percept.time_ns = time_ns;
     relations_clear(m, relations);
     events_assert(m);
     messages_age(m);
-    environment_leave(m);
+    (void)mind_leave(m);
 }
 
 mu_result mind_tell(struct mind *m, const char *fact)
 {
-    if (syntax_check(fact) || CLIPS_BROKEN(m)) {
+    if (syntax_check(fact) || !MIND_ENTER(m, STATE_SENSE)) {
         return MU_MALFORMED;
     }
-    environment_enter(m, CLIPS_MODE_QUIET);
-    budget_start(m, 0);
     const struct fact *told = EnvAssertString(m->env, fact);
-    bool failed = environment_leave(m);
+    bool failed = mind_leave(m);
     return told && !failed ? MU_OK : MU_MALFORMED;
 }
 
@@ -273,19 +257,17 @@ static struct fact *slots_assert(void *env, struct deftemplate *t, const struct 
 mu_result mind_tell_slots(struct mind *m, const char *relation, const struct mind_slot *slots,
                           size_t count)
 {
-    if (CLIPS_BROKEN(m)) {
+    if (!MIND_ENTER(m, STATE_SENSE)) {
         return MU_MALFORMED;
     }
-    environment_enter(m, CLIPS_MODE_QUIET);
-    budget_start(m, 0);
     struct deftemplate *t = EnvFindDeftemplate(m->env, relation);
     bool whole = t && !t->implied && slots_assert(m->env, t, slots, count) != NULL;
-    bool failed = environment_leave(m);
+    bool failed = mind_leave(m);
     return whole && !failed ? MU_OK : MU_MALFORMED;
 }
 
 bool mind_looks_at(const struct mind *m, const char *relation)
 {
-    const struct deftemplate *t = m->env ? EnvFindDeftemplate(m->env, relation) : NULL;
+    const struct deftemplate *t = state_has_rules(m) ? EnvFindDeftemplate(m->env, relation) : NULL;
     return t && fact_is_used(t);
 }

@@ -29,7 +29,7 @@ int mind_look(unsigned ms, struct mu_text *why)
 {
     uint64_t entries;
     struct mind *m = environment_entered(&entries);
-    if (!m || !m->sheltered || !m->options.ports.stuck || !watchdog_hangs(m, entries, ms)) {
+    if (!m || !state_is_limited(m) || !m->options.ports.stuck || !watchdog_hangs(m, entries, ms)) {
         return MIND_WAITS;
     }
     int code = m->options.ports.stuck(m->options.ports.self, watchdog.hanging_ms);

@@ -33,12 +33,10 @@ static void budget_stop(struct mind *m, const char *why)
  */
 void budget_break(struct mind *m, const char *guard)
 {
-    MU_ASSERT(m->sheltered); /* else the machine has no memory, and nobody can go on without */
+    (void)state_on(m,
+                   STATE_FAIL); /* illegal: the machine has no memory, nobody can go on without */
     heap_drop(m);
-    m->sheltered = false;
-    m->stopped = m->broken = guard;
-    m->firing = false;
-    m->mode = CLIPS_MODE_QUIET;
+    m->stopped = m->failed_by = guard;
     m->stack = NULL;
     m->cost.meter = NULL;
     longjmp(m->shelter, 1);
@@ -61,10 +59,10 @@ void budget_say(struct mind *m)
     const struct expr *call = EvaluationData(m->env)->CurrentExpression;
     const char *matched = budget_matched(m->env);
     mu_text_init(&t, m->lost, sizeof m->lost);
-    if (m->firing && m->rule) {
+    if (m->state == MIND_FIRING && m->rule) {
         mu_text_format(&t, "rule %.64s", m->rule);
     } else {
-        mu_text_add(&t, m->mode == CLIPS_MODE_LINE ? "a line" : "what it was told");
+        mu_text_add(&t, state_mode(m) == STATE_MODE_LINE ? "a line" : "what it was told");
     }
     mu_text_add(&t, " has not come back");
     if (matched) {
@@ -77,7 +75,7 @@ void budget_say(struct mind *m)
 void budget_leave(struct mind *m, const char *guard)
 {
     budget_say(m);
-    if (m->mode != CLIPS_MODE_LINE && m->options.ports.print) {
+    if (state_mode(m) != STATE_MODE_LINE && m->options.ports.print) {
         m->options.ports.print(m->options.ports.self, m->lost);
         m->options.ports.print(m->options.ports.self, "\n");
     }
@@ -95,7 +93,7 @@ static int budget_burst(void *env, size_t bytes)
 
 void budget_allocated(struct mind *m)
 {
-    if (m->sheltered && ++m->allocations % BUDGET_WORK_ALLOCATIONS == 0) {
+    if (state_is_limited(m) && ++m->allocations % BUDGET_WORK_ALLOCATIONS == 0) {
         budget_work(m);
     }
 }
@@ -134,7 +132,7 @@ static void budget_tick(void *env)
 
 bool budget_charge(struct mind *m, uint64_t units)
 {
-    return !m->sheltered || budget_count(m, units);
+    return !state_is_limited(m) || budget_count(m, units);
 }
 
 /* An argument of a call, counted from 1, is far down the list if it is one of a hundred thousand.
@@ -149,7 +147,7 @@ void budget_evaluated(void *env, DATA_OBJECT *value)
 {
     struct mind *m = environment_mind(env);
     struct meter *meter = m->cost.meter;
-    if (m->cost.units > BUDGET_UNITS_LEFT && m->sheltered) {
+    if (m->cost.units > BUDGET_UNITS_LEFT && state_is_limited(m)) {
         budget_leave(m, "ticks");
     }
     if (meter && meter->call == EvaluationData(env)->CurrentExpression) {
@@ -176,7 +174,7 @@ void budget_start(struct mind *m, long memory_spare)
 static void budget_note_rule(struct mind *m, const struct expr *actions)
 {
     const struct defrule *rule = EngineData(m->env)->ExecutingRule;
-    if (!m->firing || !rule || rule->actions != actions) {
+    if (m->state != MIND_FIRING || !rule || rule->actions != actions) {
         return;
     }
     m->rule = ValueToString(rule->header.name);

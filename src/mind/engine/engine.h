@@ -36,7 +36,41 @@ enum {
 };
 
 /* Where what CLIPS prints goes. */
-enum clips_mode { CLIPS_MODE_QUIET, CLIPS_MODE_FIRE, CLIPS_MODE_LINE };
+enum state_mode { STATE_MODE_QUIET, STATE_MODE_FIRE, STATE_MODE_LINE };
+
+/* What a mind's CLIPS is at. */
+enum mind_state {
+    MIND_VACANT,   /* it has no environment */
+    MIND_LOADING,  /* rules, or a snapshot */
+    MIND_READY,    /* between two calls */
+    MIND_SENSING,  /* a percept, or what else it is told */
+    MIND_TAKING,   /* mail */
+    MIND_FIRING,   /* rules */
+    MIND_HANDLING, /* mail or a question, by a deffunction */
+    MIND_LINE,     /* a line that somebody typed */
+    MIND_LOOKING,  /* a line that only looks */
+    MIND_SAVING,
+    MIND_FAILED, /* it ran out of memory or time: its environment is gone */
+    MIND_STATES
+};
+
+enum state_event {
+    STATE_BEGIN,
+    STATE_LOAD,
+    STATE_SENSE,
+    STATE_TAKE,
+    STATE_FIRE,
+    STATE_HANDLE,
+    STATE_LINE,
+    STATE_LOOK,
+    STATE_SAVE,
+    STATE_DONE,
+    STATE_FAIL,
+    STATE_CLOSE,
+    STATE_EVENTS
+};
+
+enum state_outcome { STATE_ILLEGAL, STATE_REFUSED, STATE_MOVES };
 
 /* How often a rule has failed. */
 struct failures_line {
@@ -80,7 +114,9 @@ struct mind {
     struct mind_output *output; /* functions/functions.h */
     struct mind_loader *loader; /* load/load.h */
 
-    void *env; /* NULL: there is none, or it broke */
+    enum mind_state state;  /* state_on alone changes it */
+    uint64_t refused_calls; /* of a mind without rules */
+    void *env;
     struct heap heap;
     struct mind_options options;
     char name[MU_NAME_MAX + 1], folder[PATH_MAX], file[PATH_MAX]; /* that the options point to */
@@ -92,18 +128,16 @@ struct mind {
     char fired_bytes[STEP_FIRED_MAX];
     struct mu_text fired;
     const char *rule; /* that fired last */
-    bool firing;
 
     /* guards */
     uint64_t worked; /* units of the cost, when the port was told last */
     long memory_max;
-    const char *stopped;  /* which guard, or NULL */
-    const char *stack;    /* at the entry */
-    jmp_buf shelter;      /* in the function of mind.h that called into CLIPS */
-    bool sheltered;       /* it is in CLIPS, and the shelter is good */
-    uint32_t allocations; /* of CLIPS, so far */
-    const char *broken;   /* which guard: its environment is gone; NULL: it is not */
-    char lost[224];       /* why, in words */
+    const char *stopped;   /* which guard, or NULL */
+    const char *stack;     /* at the entry */
+    jmp_buf shelter;       /* in the function of mind.h that called into CLIPS */
+    uint32_t allocations;  /* of CLIPS, so far */
+    const char *failed_by; /* which guard, if its state is MIND_FAILED */
+    char lost[224];        /* why, in words */
     struct failures_line failing[FAILURES_MAX];
     size_t failing_count;
     uint64_t stops; /* by guards */
@@ -111,7 +145,6 @@ struct mind {
     bool enough; /* for that reason; since a step was told last */
 
     /* output */
-    enum clips_mode mode;
     struct mu_text *out; /* of a line */
     size_t printed;
     char said_bytes[ENVIRONMENT_SAID_MAX];
@@ -126,6 +159,31 @@ struct mind {
     enum trace_fact trace_fact;
 };
 
+/* state.c */
+
+/** Applies an event.  An illegal one is a bug.  @return false: it was refused, and is counted */
+bool state_on(struct mind *m, enum state_event event);
+
+/** Where what CLIPS prints goes now. */
+enum state_mode state_mode(const struct mind *m);
+
+/** @return whether a call that wants too much ends now, and the mind with it */
+bool state_is_limited(const struct mind *m);
+
+/** @return whether it has an environment */
+bool state_has_rules(const struct mind *m);
+
+/**
+ * Begins every function of mind.h that calls into CLIPS.  A call that wants more memory than it may
+ * ever have ends here a second time: CLIPS is left in the middle of what it did, and all that it
+ * had is gone.  @return false: the mind has no rules, or has them no more
+ */
+#define MIND_ENTER(m, event) (mind_enter(m, event) && setjmp((m)->shelter) == 0)
+bool mind_enter(struct mind *m, enum state_event event);
+
+/** Ends it.  @return whether the last of it ended in an error */
+bool mind_leave(struct mind *m);
+
 /* environment.c */
 
 static inline struct mind *environment_mind(void *env)
@@ -139,11 +197,12 @@ void environment_install(struct mind *m);
 /** Builds the globals that C code knows.  @return whether CLIPS has taken them */
 bool environment_build(struct mind *m);
 
-/** Before every call into CLIPS: its error flags are sticky (6.30), so they are cleared. */
-void environment_enter(struct mind *m, enum clips_mode mode);
+/** Before each thing that is done with CLIPS: its error flags are sticky (6.30), so they are
+ * cleared. */
+void environment_begin(struct mind *m);
 
-/** After every call.  @return whether it ended in an error */
-bool environment_leave(struct mind *m);
+/** Behind it.  @return whether it ended in an error */
+bool environment_end(struct mind *m);
 
 /** @return the mind that called into CLIPS last, of all of this process; entries: such calls */
 struct mind *environment_entered(uint64_t *entries);
@@ -163,13 +222,6 @@ void heap_make(struct mind *m);
 void heap_drop(struct mind *m);
 
 /* budget.c */
-
-/**
- * Begins every function of mind.h that calls into CLIPS.  A call that wants more memory than it may
- * ever have ends here a second time: CLIPS is left in the middle of what it did, and all that it
- * had is gone.
- */
-#define CLIPS_BROKEN(m) (!(m)->env || setjmp((m)->shelter) != 0)
 
 /** The answer of a broken mind, with m->lost. */
 #define CLIPS_BROKEN_TEXT "the rules are gone: %s"

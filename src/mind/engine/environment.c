@@ -108,17 +108,17 @@ static int env_route_print(void *env, const char *name, const char *text)
     if (complaint && m->stopped) {
         return TRUE; /* each of a thousand calls would say that it ends */
     }
-    if (m->firing && env_is(name, WDIALOG)) {
+    if (m->state == MIND_FIRING && env_is(name, WDIALOG)) {
         return TRUE; /* "Breaking on rule": the robot says so itself */
     }
     const struct mind_ports *ports = &m->options.ports;
-    bool watched = m->mode != CLIPS_MODE_LINE && ports->trace && env_is(name, WTRACE);
+    bool watched = state_mode(m) != STATE_MODE_LINE && ports->trace && env_is(name, WTRACE);
     if (watched && ports->trace(ports->self, text)) {
         return TRUE;
     }
-    if (m->mode == CLIPS_MODE_LINE) {
+    if (state_mode(m) == STATE_MODE_LINE) {
         env_print_line(m->out, complaint, text);
-    } else if (complaint || m->mode == CLIPS_MODE_QUIET) {
+    } else if (complaint || state_mode(m) == STATE_MODE_QUIET) {
         mu_text_add(&m->said, text);
     } else {
         env_print(m, text);
@@ -153,17 +153,14 @@ static struct {
     uint64_t entries;
 } environment_last;
 
-void environment_enter(struct mind *m, enum clips_mode mode)
+void environment_begin(struct mind *m)
 {
-    m->stack = __builtin_frame_address(0);
-    m->mode = mode;
     m->cost.meter = NULL;
     mu_text_clear(&m->said);
     SetHaltExecution(m->env, FALSE);
     SetEvaluationError(m->env, FALSE);
     environment_last.mind = m;
     environment_last.entries++;
-    m->sheltered = true;
 }
 
 struct mind *environment_entered(uint64_t *entries)
@@ -172,14 +169,11 @@ struct mind *environment_entered(uint64_t *entries)
     return environment_last.mind;
 }
 
-bool environment_leave(struct mind *m)
+bool environment_end(struct mind *m)
 {
-    m->sheltered = false;
     bool failed = GetEvaluationError(m->env) || GetHaltExecution(m->env);
     SetHaltExecution(m->env, FALSE);
     SetEvaluationError(m->env, FALSE);
-    m->mode = CLIPS_MODE_QUIET;
-    m->stack = NULL;
     return failed;
 }
 

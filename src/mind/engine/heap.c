@@ -135,7 +135,7 @@ void *heap_take(void *env, size_t bytes)
     struct mind *m = heap_mind(env);
     struct heap *h = &m->heap;
     bool fits = bytes <= BUDGET_MEMORY_BURST && h->held + bytes <= BUDGET_MEMORY_BURST;
-    if (m->sheltered && !fits) {
+    if (!fits && state_is_limited(m)) {
         return NULL;
     }
     void *block = NULL;

@@ -33,7 +33,7 @@ static void control_step(void *env, DATA_OBJECT *out, const char *function)
     struct mind *m = environment_mind(env);
     uint32_t rules = EnvRtnArgCount(env) > 0 ? control_count(env, function) : 1;
     value_bool(env, out, rules > 0);
-    if (rules > 0 && m->mode == CLIPS_MODE_LINE) {
+    if (rules > 0 && state_mode(m) == STATE_MODE_LINE) {
         control_wish(m, MIND_WISH_STEP, rules);
     }
 }
@@ -47,7 +47,7 @@ void lifecycle_run(void *env, DATA_OBJECT *out)
         return;
     }
     value_bool(env, out, true);
-    if (m->mode == CLIPS_MODE_LINE) {
+    if (state_mode(m) == STATE_MODE_LINE) {
         control_wish(m, MIND_WISH_RUN, 0);
     }
 }

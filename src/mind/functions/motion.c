@@ -68,6 +68,6 @@ void motion_stop(void *env, DATA_OBJECT *out)
 void motion_update_sensors(void *env, DATA_OBJECT *out)
 {
     struct mind *m = environment_mind(env);
-    m->output->sense_again = m->output->sense_again || m->firing;
-    value_bool(env, out, m->firing);
+    m->output->sense_again = m->output->sense_again || m->state == MIND_FIRING;
+    value_bool(env, out, m->state == MIND_FIRING);
 }

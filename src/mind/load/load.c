@@ -97,14 +97,14 @@ mu_result load_construct(struct mind *m, const char *path, struct syntax_form f,
         return mu_fault_at(fault, path, f.line, 0, "this form is too long");
     }
     m->loader->error_line = 0;
-    environment_enter(m, CLIPS_MODE_QUIET);
+    environment_begin(m);
     budget_start(m, 0);
     OpenTextSource(m->env, "mu-load", form.at, 0, form.len);
     EnvSetParsingFileName(m->env, path);
     int loaded = LoadConstructsFromLogicalName(m->env, "mu-load");
     EnvSetParsingFileName(m->env, NULL);
     CloseStringSource(m->env, "mu-load");
-    if (environment_leave(m) || loaded != 1) {
+    if (environment_end(m) || loaded != 1) {
         char said[MU_FAULT_TEXT_MAX + 1];
         load_said(m, said, sizeof said);
         int line = f.line + (m->loader->error_line > 1 ? (int)m->loader->error_line - 1 : 0);
@@ -305,11 +305,11 @@ mu_result load_file(struct mind *m, const char *path, struct mu_fault *fault)
 
 mu_result load_begin(struct mind *m, const char *path, struct mu_fault *fault)
 {
-    environment_enter(m, CLIPS_MODE_QUIET);
+    environment_begin(m);
     budget_start(m, 0);
     m->shown_count = 0;
     EnvReset(m->env);
-    if (environment_leave(m)) {
+    if (environment_end(m)) {
         char said[MU_FAULT_TEXT_MAX + 1];
         load_said(m, said, sizeof said);
         return mu_fault_at(fault, path, 0, 0, "%s", said[0] ? said : "(reset) was stopped");

@@ -280,7 +280,7 @@ static mu_result body_load(struct snapshot *c, char name[MU_NAME_MAX + 1])
     facts_drop(m);
     MU_TRY(switches_load(c));
     MU_TRY(rules_load(c));
-    environment_enter(m, CLIPS_MODE_QUIET);
+    environment_begin(m);
     budget_start(m, BUDGET_MEMORY_SPARE);
     EnvIncrementGCLocks(m->env); /* nothing read here may go before it stands somewhere */
     mu_result r = gensym_load(c);
@@ -292,7 +292,7 @@ static mu_result body_load(struct snapshot *c, char name[MU_NAME_MAX + 1])
     r = r == MU_OK ? snapshot_load_state(c) : r;
     EnvSetCurrentModule(m->env, EnvFindDefmodule(m->env, "MAIN"));
     EnvDecrementGCLocks(m->env);
-    environment_leave(m);
+    (void)environment_end(m);
     return r;
 }
 

@@ -193,7 +193,9 @@ static void begin(bool with_rules)
 /* From now on it gets so many bytes more, and nothing that it has had before. */
 static void leave_room(size_t room)
 {
+#if MEM_TABLE_SIZE > 0
     memset(MemoryData(mind->env)->MemoryTable, 0, MEM_TABLE_SIZE * sizeof(struct memoryPtr *));
+#endif
     mind->heap.held = BUDGET_MEMORY_BURST - room;
 }
 
