@@ -7,26 +7,28 @@
 #include <stdio.h>
 #include <string.h>
 
-static const struct mu_agent_kind *parent_of(const struct mu_agent_kind *kind)
+static const struct mu_agent_kind *parent_of(const struct mu_agent *a,
+                                             const struct mu_agent_kind *kind)
 {
-    if (kind == &mu_base_kind) {
+    const struct mu_agent_kind *base = a->process->base_kind;
+    if (kind == base) {
         return NULL;
     }
-    return kind->parent ? kind->parent : &mu_base_kind;
+    return kind->parent ? kind->parent : base;
 }
 
 static const struct mu_agent_kind *kind_of(const struct mu_agent *a)
 {
-    return a->part.of ? a->part.of : &mu_base_kind;
+    return a->part.of ? a->part.of : a->process->base_kind;
 }
 
 /* @return whether a kind is its own ancestor: a second walk at half the pace would be met */
-static bool descends_from_itself(const struct mu_agent_kind *kind)
+static bool descends_from_itself(const struct mu_agent *a, const struct mu_agent_kind *kind)
 {
     const struct mu_agent_kind *slow = kind;
     bool is_odd = false;
-    for (kind = kind ? parent_of(kind) : NULL; kind && kind != slow; kind = parent_of(kind)) {
-        slow = is_odd ? parent_of(slow) : slow;
+    for (kind = kind ? parent_of(a, kind) : NULL; kind && kind != slow; kind = parent_of(a, kind)) {
+        slow = is_odd ? parent_of(a, slow) : slow;
         is_odd = !is_odd;
     }
     return kind != NULL;
@@ -34,7 +36,7 @@ static bool descends_from_itself(const struct mu_agent_kind *kind)
 
 void mu_agent_be(mu_agent *a, const struct mu_agent_kind *kind)
 {
-    MU_ASSERT(!descends_from_itself(kind));
+    MU_ASSERT(!descends_from_itself(a, kind));
     a->part.of = kind;
 }
 
@@ -65,7 +67,7 @@ static enum mu_take chain_take(struct mu_agent *a, const struct mu_agent_kind *k
 {
     const struct mu_agent_kind *outer = a->part.taking;
     enum mu_take took = MU_PASS;
-    for (; kind && took == MU_PASS; kind = parent_of(kind)) {
+    for (; kind && took == MU_PASS; kind = parent_of(a, kind)) {
         a->part.taking = kind;
         took = kind_take(kind, a, mail);
     }
@@ -75,12 +77,7 @@ static enum mu_take chain_take(struct mu_agent *a, const struct mu_agent_kind *k
 
 enum mu_take mu_agent_take_parent(mu_agent *a, const struct mu_mail *mail)
 {
-    return a->part.taking ? chain_take(a, parent_of(a->part.taking), mail) : MU_PASS;
-}
-
-static bool is_answer(const struct mu_mail *mail)
-{
-    return mail->in_reply_to[0] != '\0' || mu_performative_answers(mail->performative);
+    return a->part.taking ? chain_take(a, parent_of(a, a->part.taking), mail) : MU_PASS;
 }
 
 /* @return whether the mail names this agent, not only all, a group or a role that it is in */
@@ -98,37 +95,6 @@ static bool is_personal(const struct mu_agent *a, const struct mu_mail *mail)
     return false;
 }
 
-/* The time of the run as the step at hand has it.  @return 0: this process is not told */
-static uint64_t run_time_ns(const struct mu_process *p)
-{
-    return p->step ? p->step->time_ns : 0;
-}
-
-mu_result mu_agent_reply(mu_agent *a, const struct mu_mail *mail, const char *performative,
-                         const char *content)
-{
-    if (is_answer(mail) && !mail->reply_with[0]) {
-        return MU_REFUSED;
-    }
-    uint64_t now_ns = run_time_ns(a->process);
-    bool limited = mail->reply_by_ns > 0 && now_ns > 0;
-    if (limited && now_ns >= mail->reply_by_ns) {
-        return MU_TIMEOUT;
-    }
-    char number[24];
-    snprintf(number, sizeof number, "%llu", (unsigned long long)mail->seq);
-    struct mu_mail answer = {.dst = mail->src,
-                             .layer = mail->layer,
-                             .performative = performative,
-                             .language = mail->language,
-                             .ontology = mail->ontology,
-                             .in_reply_to = mail->reply_with[0] ? mail->reply_with : number,
-                             .conversation = mail->conversation,
-                             .content = content,
-                             .ttl_ns = limited ? mail->reply_by_ns - now_ns : 0};
-    return mu_agent_send(a, &answer, NULL);
-}
-
 /* What the runtime answers by itself: the first word of the answer's content is what was asked. */
 static void answer(struct mu_agent *a, const struct mu_mail *mail, const char *performative)
 {
@@ -138,7 +104,7 @@ static void answer(struct mu_agent *a, const struct mu_mail *mail, const char *p
 
 void kind_not_understood(struct mu_agent *a, const struct mu_mail *mail)
 {
-    if (!is_answer(mail) && is_personal(a, mail)) {
+    if (!agent_mail_answers(mail) && is_personal(a, mail)) {
         answer(a, mail, "not-understood");
     }
 }
@@ -146,7 +112,8 @@ void kind_not_understood(struct mu_agent *a, const struct mu_mail *mail)
 void kind_mail(struct mu_agent *a, const struct mu_mail *mail)
 {
     enum mu_take took = chain_take(a, kind_of(a), mail);
-    if (took == MU_DECLINE && !is_answer(mail) && (is_personal(a, mail) || mail->reply_with[0])) {
+    if (took == MU_DECLINE && !agent_mail_answers(mail) &&
+        (is_personal(a, mail) || mail->reply_with[0])) {
         answer(a, mail, "refuse");
     }
     if (took != MU_PASS) {
@@ -165,7 +132,7 @@ void kind_mail(struct mu_agent *a, const struct mu_mail *mail)
 static void chain_event(struct mu_agent *a, const struct mu_agent_kind *kind, enum mu_event event)
 {
     while (kind && !kind->hooks[event]) {
-        kind = parent_of(kind);
+        kind = parent_of(a, kind);
     }
     if (!kind) {
         return;
@@ -187,7 +154,7 @@ void kind_event(struct mu_agent *a, enum mu_event event)
 void mu_agent_event_parent(mu_agent *a)
 {
     if (a->part.hooked) {
-        chain_event(a, parent_of(a->part.hooked), a->part.event);
+        chain_event(a, parent_of(a, a->part.hooked), a->part.event);
     }
 }
 

@@ -53,6 +53,22 @@ static uint64_t incarnation_next(const mu_process *p)
     return wall_ns > p->incarnation ? wall_ns : p->incarnation + 1;
 }
 
+/* Last words that did not go out were for the earlier broker: who is leaving has left. */
+void link_register(mu_process *p)
+{
+    p->ready = p->leaving = false;
+    p->leaving_ns = 0;
+    p->heartbeat_ns = mu_clock_ns();
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        struct mu_agent *a = &p->agents[i];
+        a->registered = a->leaving = a->follows = false;
+        queue_remove(&p->queues[QUEUE_SEND], QUEUE_SEND, a);
+        queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a); /* the new broker counts from 1 */
+    }
+    owed_clear(&p->owed, mu_clock_ns());
+    roll_mark_all(p);
+}
+
 /* Says all agents.  A later life of the same broker answers of itself: it has heard them for the
  * first time.  Another broker may know them from before, and not have missed them: a higher
  * incarnation makes it answer, though it forgets what it had to tell them. */
@@ -60,7 +76,7 @@ static void agents_say(mu_process *p, bool anew, uint64_t now_ns)
 {
     p->incarnation = anew ? incarnation_next(p) : p->incarnation;
     p->link.asked_ns = now_ns;
-    process_register(p);
+    link_register(p);
 }
 
 /* Goes to a broker: another one, or another life of the same.  An Up that has not gone out is put
@@ -85,13 +101,6 @@ static mu_result broker_enter(mu_process *p, const char *name, uint64_t incarnat
     return MU_OK;
 }
 
-/* The same because of a heartbeat: what lies in hand is of an earlier broker. */
-static mu_result broker_turn_to(mu_process *p, const struct choice_broker *to)
-{
-    inbox_drop(p);
-    return broker_enter(p, to->name, to->incarnation);
-}
-
 bool link_is_ours(mu_process *p, const muster_Delivery *d)
 {
     struct link *l = &p->link;
@@ -108,12 +117,14 @@ bool link_is_ours(mu_process *p, const muster_Delivery *d)
 }
 
 /* The broker is there: if it has missed us, our next heartbeat tells it. */
-static mu_result broker_keep(mu_process *p, const struct choice_broker *now, uint64_t now_ns)
+static mu_result broker_keep(mu_process *p, const struct choice_broker *now, uint64_t now_ns,
+                             bool *turned)
 {
     struct link *l = &p->link;
     l->silent = false;
     if (now->incarnation != l->incarnation) {
-        return broker_turn_to(p, now);
+        *turned = true;
+        return broker_enter(p, now->name, now->incarnation);
     }
     bool answered = p->broker_incarnation == l->incarnation || p->agent_count == 0;
     if (!answered && now_ns - l->asked_ns > ANSWER_NS) {
@@ -132,9 +143,10 @@ static bool must_wait(struct link *l, const struct choice_broker *best, const ch
     return is_first && !choice_is_final(best, host, wanted) && now_ns - l->heard_ns < SETTLE_NS;
 }
 
-mu_result link_look(mu_process *p)
+mu_result link_look(mu_process *p, bool *turned)
 {
     struct link *l = &p->link;
+    *turned = false;
     uint64_t now_ns = mu_clock_ns();
     if (l->looked_ns && now_ns - l->looked_ns > ABSENCE_NS) {
         l->patient_until_ns = now_ns + HEARTBEAT_NS;
@@ -146,7 +158,7 @@ mu_result link_look(mu_process *p)
     }
     const struct choice_broker *now = choice_find(&l->choice, l->broker);
     if (now && now->there) {
-        return broker_keep(p, now, now_ns);
+        return broker_keep(p, now, now_ns, turned);
     }
     if (now_ns < l->patient_until_ns) {
         return MU_OK;
@@ -155,5 +167,9 @@ mu_result link_look(mu_process *p)
     l->silent = !is_first;
     const struct choice_broker *best =
         choice_best(&l->choice, p->host, is_first && l->wanted[0] ? l->wanted : NULL);
-    return best && !must_wait(l, best, p->host, now_ns) ? broker_turn_to(p, best) : MU_OK;
+    if (!best || must_wait(l, best, p->host, now_ns)) {
+        return MU_OK;
+    }
+    *turned = true;
+    return broker_enter(p, best->name, best->incarnation);
 }

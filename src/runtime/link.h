@@ -36,7 +36,15 @@ MU_MUST_USE mu_result link_open(mu_process *p, const char *wanted);
  */
 bool link_is_ours(mu_process *p, const muster_Delivery *d);
 
-/** Hears brokers, and goes to one, or to another, when it is time. */
-MU_MUST_USE mu_result link_look(mu_process *p);
+/**
+ * Hears brokers, and goes to one, or to another, when it is time.
+ *
+ * @param turned  out: it went to one because of a heartbeat, so that the Delivery in hand is of an
+ *                earlier broker
+ */
+MU_MUST_USE mu_result link_look(mu_process *p, bool *turned);
+
+/** Says every agent to the broker anew; none may send before it has answered. */
+void link_register(mu_process *p);
 
 #endif

@@ -3,6 +3,7 @@
 
 #include "core/clock.h"
 #include "core/text.h"
+#include "muster/kind.h"
 #include "muster/memory.h"
 
 #include <errno.h>
@@ -25,9 +26,6 @@ static const int64_t EXPECTANT_NS = 20000000;
 /* So long both samples of a step, in lock step, are awaited together. */
 static const int64_t PAIR_NS = 50000000;
 
-/* A process with bodies holds its mail for the next step; when no step comes, for this long. */
-const uint64_t PROCESS_STEP_PATIENCE_NS = 300000000;
-
 /* How long a process waits for the network to take the last words of who leaves. */
 static const int64_t CLOSE_PATIENCE_NS = 200000000;
 
@@ -41,11 +39,6 @@ static const uint64_t LATE_NS = 1000000;
 
 /* Handlers that run for longer are worth a word in the white pages. */
 static const uint64_t BUSY_NS = 500000000;
-
-bool process_takes_steps(const mu_process *p)
-{
-    return p->with_body || p->watches;
-}
 
 static mu_result endpoints_open(mu_process *p, const char *broker)
 {
@@ -84,6 +77,7 @@ void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails)
     p->out_agents = mu_startup_array(acts, sizeof(struct mu_agent *));
     mu_table_init(&p->names, p->agents_max);
     members_init(&p->members);
+    p->base_kind = &mu_base_kind;
 }
 
 static bool options_fit(const struct mu_process_options *options)
@@ -205,22 +199,6 @@ const char *mu_process_broker(const mu_process *p)
 {
     bool answered = p->broker_incarnation != 0 && p->broker_incarnation == p->link.incarnation;
     return answered && !p->link.silent ? p->link.broker : NULL;
-}
-
-/* Last words that did not go out were for the earlier broker: who is leaving has left. */
-void process_register(mu_process *p)
-{
-    p->ready = p->leaving = false;
-    p->leaving_ns = 0;
-    p->heartbeat_ns = mu_clock_ns();
-    for (uint32_t i = 0; i < p->agent_count; i++) {
-        struct mu_agent *a = &p->agents[i];
-        a->registered = a->leaving = a->follows = false;
-        queue_remove(&p->queues[QUEUE_SEND], QUEUE_SEND, a);
-        queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a); /* the new broker counts from 1 */
-    }
-    owed_clear(&p->owed, mu_clock_ns());
-    roll_mark_all(p);
 }
 
 static bool has_seen(const mu_process *p, int64_t step)
@@ -499,7 +477,11 @@ void process_turn(mu_process *p)
 
 static mu_result spin(mu_process *p, int64_t timeout_ns)
 {
-    MU_TRY(link_look(p));
+    bool turned;
+    MU_TRY(link_look(p, &turned));
+    if (turned) {
+        inbox_drop(p);
+    }
     registrations_keep(p);
     roll_write(p);
     if (!p->in_lockstep) {

@@ -108,8 +108,9 @@ struct mu_process {
     uint64_t looks_ns;       /* until then who has lent the turn waits */
     struct mu_agent *agents; /* agents_max of them; one that has left keeps its place */
     uint32_t agents_max, agent_count;
-    struct mu_table names; /* of agents */
-    uint32_t outbox_mails; /* of each agent */
+    struct mu_table names;                 /* of agents */
+    const struct mu_agent_kind *base_kind; /* of all agents that are of no other */
+    uint32_t outbox_mails;                 /* of each agent */
     struct outbox_slot *outbox_slots;
     char *outbox_text;
     char *rules_text;    /* NULL: no bodies */
@@ -165,10 +166,13 @@ struct mu_process {
 /* process.c */
 
 /** A process that has had a step expects the next one within this time. */
-extern const uint64_t PROCESS_STEP_PATIENCE_NS;
+static const uint64_t PROCESS_STEP_PATIENCE_NS = 300000000;
 
 /** @return whether the simulator's steps are for it */
-bool process_takes_steps(const mu_process *p);
+static inline bool process_takes_steps(const mu_process *p)
+{
+    return p->with_body || p->watches;
+}
 
 /** Takes all memory that a process needs for its agents; 0 stands for the usual number. */
 void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails);
@@ -195,9 +199,6 @@ bool process_is_told_to_end(void);
  * process has been busy, once that is half a second.  Sends nothing else, and waits for nothing.
  */
 void process_work(mu_process *p);
-
-/** Says every agent to the broker anew; none may send before it has answered. */
-void process_register(mu_process *p);
 
 /* agent.c */
 
@@ -227,6 +228,9 @@ void agent_directive(struct mu_agent *a, const muster_Parcel *parcel);
 
 /** Hands a mail to the agent. */
 void agent_mail(struct mu_agent *a, const muster_Parcel *parcel);
+
+/** @return whether a mail is an answer, to which nothing is said unless it asks for that */
+bool agent_mail_answers(const struct mu_mail *mail);
 
 /** @return the agent of that name in this process, or NULL */
 struct mu_agent *agent_find(mu_process *p, const char *name);

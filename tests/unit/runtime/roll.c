@@ -96,7 +96,7 @@ static void test_another_broker_hears_all_and_is_told_nothing_before_its_answer(
     CU_ASSERT(process.queues[QUEUE_SEND].first == a0 && process.queues[QUEUE_ACK].first == a0);
     CU_ASSERT_EQUAL(process.owed.parcels, 1);
     forget();
-    process_register(&process);
+    link_register(&process);
     CU_ASSERT_EQUAL(process.roll.due_count, 3);
     CU_ASSERT_PTR_NULL(process.queues[QUEUE_SEND].first);
     CU_ASSERT_PTR_NULL(process.queues[QUEUE_ACK].first);
