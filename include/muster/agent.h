@@ -9,8 +9,8 @@
  * Registering, leaving, acknowledging, resending and the answers to directives are the runtime's: a
  * controller has no line of code for them.
  *
- * One thread at a time calls what has to do with one process; mu_process_stop alone may be called
- * from anywhere.  A child of fork has no connection: there, mu_process_close does nothing.
+ * One thread at a time calls functions of one process; mu_process_stop alone may be called from
+ * anywhere.  A child of fork has no connection: there, mu_process_close does nothing.
  *
  * Units: metres, radians (counter-clockwise, 0 along +x), seconds, or nanoseconds where the name
  * says so.
@@ -51,7 +51,7 @@ enum mu_outcome {
     MU_MAIL_NO_STORE, /* its level needs a disk that the broker has not, or cannot write to */
 };
 
-/* What a mail that waits at the broker survives. */
+/* The failure that waiting mail survives at the broker. */
 enum mu_level {
     MU_LEVEL_RAM,    /* nothing */
     MU_LEVEL_LOGGED, /* the death of the broker */
@@ -118,11 +118,11 @@ struct mu_member {
 
 struct mu_service; /* directory.h */
 
-/* What an agent wants to hear about; any may be NULL.  What they are given is valid in the handler
+/* Events that an agent can hear of; any handler may be NULL.  Arguments are valid in the handler
  * only. */
 struct mu_handlers {
     void *self;
-    /** The broker has said yes or no; no is for ever, and reason says why. */
+    /** The broker has accepted or refused the name; a refusal is final, with a reason. */
     void (*on_registered)(void *self, mu_agent *a, bool accepted, const char *reason);
     /** A mail arrived.  It is acknowledged when this returns. */
     void (*on_mail)(void *self, mu_agent *a, const struct mu_mail *mail);
@@ -134,20 +134,19 @@ struct mu_handlers {
     void (*on_step)(void *self, mu_agent *a, const struct mu_percept *percept);
     /** The control step's mail is in, and the agent runs: act. */
     void (*on_act)(void *self, mu_agent *a, const struct mu_percept *percept);
-    /** A control step begins, in any state, for a robot that the world has no body for, in a
-     * process that has steps: of the percept, step and time_ns alone say anything.  on_act follows.
-     */
+    /** A tick: a control step begins, in any state, for a robot whose name has no body in the
+     *  world.  Of the percept, only step and time_ns have values.  on_act follows. */
     void (*on_beat)(void *self, mu_agent *a, const struct mu_percept *percept);
-    /** Of a process that watches: a control step begins, and this is how every body of the world
-     *  stands and moves, in the world's order, without what its sensors read.  Mail of the step
-     *  comes after. */
+    /** For a process that watches: a control step begins.  The percepts have poses and speeds of
+     * all bodies, in the world's order, and no readings of sensors.  Mail of the step follows. */
     void (*on_world)(void *self, mu_agent *a, const struct mu_percept *bodies, size_t count);
-    /** What became of the mails first_seq to last_seq. */
+    /** The outcome of the mails first_seq to last_seq. */
     void (*on_receipt)(void *self, mu_agent *a, uint64_t first_seq, uint64_t last_seq,
                        enum mu_outcome outcome);
     /** The broker has refused a change of groups or services (directory.h): which, and why. */
     void (*on_refusal)(void *self, mu_agent *a, const char *change, const char *reason);
-    /** Somebody offers (came) or no longer offers what mu_agent_watch_service asked for. */
+    /** An agent offers (came) or no longer offers a service that mu_agent_watch_service asked for.
+     */
     void (*on_service)(void *self, mu_agent *a, const struct mu_service *service, bool came);
 };
 
@@ -158,8 +157,8 @@ struct mu_process_options {
     const char *name;      /* for DDS tools; NULL: the program's */
     bool with_body;        /* its agents have bodies: the simulator's steps are wanted */
     bool watches;          /* its agents have none, and see all bodies (on_world): steps of a lock
-                              step wait for them, too.  Those of MU_KIND_SPECIAL are outside all
-                              the same: what they say comes in behind the mail of its members */
+                              step wait for them, too.  Agents of MU_KIND_SPECIAL stay
+                              outside: their mail comes in behind the mail of its members */
     bool brief;            /* every handler returns within some milliseconds: mu_process_run has
                               them called in the thread of DDS that has received the mail, one at
                               a time as ever, with all signals blocked, instead of waking its own.
@@ -168,11 +167,11 @@ struct mu_process_options {
                               the handler has returned.  It opens no process and no watch.  Not
                               together with the two above; without effect while somebody is called
                               after each round (mu_process_each_round) */
-    uint32_t agents;    /* that it has room for; 0: MU_LOCAL_AGENTS; MU_LOCAL_AGENTS_MAX at most */
-    uint32_t outbox;    /* mails of an agent that may wait for an answer; 0: MU_OUTBOX_MAX;
-                           MU_OUTBOX_MOST at most */
-    const char *broker; /* name of the broker to begin with, which is waited for; NULL: the
-                           first one of this host, else of another */
+    uint32_t agents;       /* capacity; 0: MU_LOCAL_AGENTS; MU_LOCAL_AGENTS_MAX at most */
+    uint32_t outbox;       /* mails of an agent that may wait for an answer; 0: MU_OUTBOX_MAX;
+                              MU_OUTBOX_MOST at most */
+    const char *broker;    /* name of the broker to begin with, which is waited for; NULL: the
+                              first one of this host, else of another */
 };
 
 /**
@@ -192,7 +191,7 @@ MU_MUST_USE mu_result mu_process_open(mu_process **out, const struct mu_process_
 void mu_process_close(mu_process *p);
 
 /**
- * Waits for at most timeout_ns and handles what is there.
+ * Waits for at most timeout_ns and handles samples that have arrived.
  *
  * @return MU_OK; MU_DONE when the run is over; MU_BUSY: a handler called it, and nothing is done;
  *         MU_FAULT_DDS; MU_FAULT_USAGE: in a child of the program that opened it
@@ -234,8 +233,8 @@ bool mu_process_has_broker(const mu_process *p);
 
 /**
  * The broker that has answered.  When it is silent for a second the process goes to another one
- * that is there, or waits for the first to come back; its agents keep their names, and what nobody
- * has answered for goes out again.  In lock step a process stays.
+ * that is there, or waits for the first to come back.  Its agents keep their names, and mail
+ * without an answer goes out again.  In lock step a process stays.
  *
  * @return its name, valid until the next spin; NULL: none has answered, or it is silent
  */
@@ -247,12 +246,11 @@ const char *mu_process_broker(const mu_process *p);
  * An agent with body starts in standby, others are running.
  *
  * @param handlers     copied; NULL: none
- * @param last_number  the last mail number that an earlier life of this agent has dealt with: what
- *                     comes again up to it is dropped.  0 when it keeps no record.
+ * @param last_number  the last mail number that an earlier life of this agent has dealt with: mail
+ *                     up to it is dropped when it comes again.  0 when it keeps no record.
  * @return MU_OK; MU_MALFORMED: not a name, or no kind; MU_EXISTS: an agent of this process bears
- * it; MU_FULL: the process has room for no more.  The place of an agent that has left is taken when
- * no other is free, and its last mails are out; from then on what pointed to it points to the new
- * one
+ * it; MU_FULL: the process has room for no more.  The place of an agent that has left is reused
+ * when no other is free and its last mails are out: pointers to it then mean the new agent
  */
 MU_MUST_USE mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name,
                                     enum mu_kind kind, uint64_t last_number,
@@ -279,8 +277,8 @@ struct mu_passage mu_agent_passage(const mu_agent *a);
 bool mu_agent_is_settled(const mu_agent *a);
 
 /**
- * Leaves the process for another one: as when it is disposed of, but its rules hear nothing, and
- * what waits for it at the broker waits for its next life.
+ * Leaves the process for another one, as when it is disposed of.  But its rules hear nothing, and
+ * mail at the broker waits for its next life.
  */
 void mu_agent_leave(mu_agent *a);
 
@@ -288,7 +286,7 @@ void mu_agent_leave(mu_agent *a);
 void mu_agent_decline_broadcasts(mu_agent *a);
 
 /**
- * Limits what waits for the agent at the broker, and says what gives way when that is full.
+ * Limits mail that waits for the agent at the broker, and chooses the policy of a full box.
  *
  * @param mails, bytes  0: the broker's own limits, which are never exceeded
  */
@@ -305,7 +303,7 @@ void mu_agent_limit_box(mu_agent *a, enum mu_box_policy policy, uint32_t mails, 
  */
 MU_MUST_USE mu_result mu_agent_send(mu_agent *a, const struct mu_mail *mail, uint64_t *seq);
 
-/** Sends content to all that are active.  Results as mu_agent_send. */
+/** Sends content to all active agents.  Results as mu_agent_send. */
 MU_MUST_USE mu_result mu_agent_broadcast(mu_agent *a, const char *content);
 
 /** Sets the speed that the body aims at.  @return MU_OK, or MU_REFUSED: NaN or infinite */
@@ -320,8 +318,8 @@ MU_MUST_USE mu_result mu_agent_drive(mu_agent *a, double forward_m_s, double tur
 void mu_agent_senses(mu_agent *a, uint32_t senses);
 
 /**
- * Orders the gripper; KEEP leaves what was ordered before in this step.  It takes its time:
- * percept->gripper says how far it is.  A body without one does nothing.
+ * Orders the gripper; KEEP leaves an earlier order of this step.  The gripper takes time:
+ * percept->gripper has its state.  A body without one does nothing.
  *
  * @return MU_OK, or MU_MALFORMED: not values of their enumerations
  */
@@ -334,15 +332,15 @@ void mu_agent_fired(mu_agent *a, uint32_t firings, const char *rules);
 void mu_agent_fired_also(mu_agent *a, uint32_t firings, const char *rules);
 
 /**
- * Adds text, copied, to what a recording keeps of this agent's step beside what it did.  It is not
- * in the run's hash.  A step has room for MU_NOTE_MAX bytes; what does not fit is cut off.
+ * Adds text, copied, to the execution trace of this agent's step in a recording.  It is not in the
+ * run's hash.  A step has room for MU_NOTE_MAX bytes; more is cut off.
  */
 void mu_agent_note(mu_agent *a, const char *text);
 
 /**
- * Says what the agent wants from now on, for people who look on; it is not in the run's hash.
+ * Sets the agent's goal, for people who look on; it is not in the run's hash.
  *
- * @param goal  in words, copied: "gohome 3000.0 0.0"; what is longer than MU_FIELD_MAX bytes is cut
+ * @param goal  in words, copied: "gohome 3000.0 0.0"; cut at MU_FIELD_MAX bytes
  */
 void mu_agent_want(mu_agent *a, const char *goal);
 
@@ -355,13 +353,13 @@ enum mu_refusal mu_agent_refusal(const mu_agent *a);
 /** @return the state; MU_GONE for ever when it was disposed of */
 enum mu_state mu_agent_state(const mu_agent *a);
 
-/** Changes the state, as a directive would; the white pages follow.  Who is MU_GONE stays so. */
+/** Changes the state, as a directive would; the white pages follow.  MU_GONE is final. */
 void mu_agent_set_state(mu_agent *a, enum mu_state state);
 
 /**
  * Suspends an agent that runs and finds that it had better not; the white pages say why.
  *
- * @param reason  what is longer than MU_FIELD_MAX bytes is cut
+ * @param reason  cut at MU_FIELD_MAX bytes
  */
 void mu_agent_suspend(mu_agent *a, const char *reason);
 

@@ -6,8 +6,8 @@
  * Every process keeps a copy of both, as of the white pages: the broker pushes each change, so that
  * a question costs no round trip.  In lock step the copy changes only between steps.
  *
- * Changes are mails to the broker: they return at once, take effect when the broker has them, and
- * what it refuses comes back to mu_handlers.on_refusal.
+ * Changes are mails to the broker: they return at once, and take effect when the broker has them.
+ * A refusal comes back to mu_handlers.on_refusal.
  *
  * Names of groups and services are those of agents: [A-Za-z_][A-Za-z0-9_.-]{0,30}.
  */
@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-/** Results of all changes: as mu_agent_send; MU_MALFORMED also for what is not a name. */
+/** Results of all changes: as mu_agent_send; MU_MALFORMED also for an invalid name. */
 
 /** Makes a group without members.  The broker refuses it when the group is there. */
 MU_MUST_USE mu_result mu_agent_group_create(mu_agent *a, const char *group);
@@ -32,7 +32,7 @@ MU_MUST_USE mu_result mu_agent_group_join(mu_agent *a, const char *group);
 /** Leaves a group; a group that its last member leaves is gone. */
 MU_MUST_USE mu_result mu_agent_group_leave(mu_agent *a, const char *group);
 
-/** Sends content to all members but the sender; who is absent gets it on coming back. */
+/** Sends content to all members but the sender; an absent member gets it when it is back. */
 MU_MUST_USE mu_result mu_agent_group_send(mu_agent *a, const char *group, const char *content);
 
 /** @return the index-th group in order of name, valid until the next spin; NULL past the last */
@@ -66,8 +66,8 @@ MU_MUST_USE mu_result mu_agent_advertise(mu_agent *a, const char *service, const
 MU_MUST_USE mu_result mu_agent_withdraw(mu_agent *a, const char *service);
 
 /**
- * A standing query: from now on mu_handlers.on_service tells who comes and who goes; those who are
- * there already come first.  Attributes that change tell nothing unless they change the answer.
+ * A standing query: from now on mu_handlers.on_service hears of agents that come and go; agents
+ * that are there already come first.  A change of attributes counts only if it changes the answer.
  *
  * @param query  a service, then constraints: "mapper role=scout battery>=0.5"; "*" is any service;
  *               near=X,Y,R: at most R metres from there, by the attributes x and y

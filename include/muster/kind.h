@@ -5,10 +5,10 @@
  *
  * A kind names its parent and defines only what differs.  A mail of layer L goes to the kind's own
  * handlers for L and its performative, in the order of their table, then to its parent's, until one
- * takes it.  What no kind takes goes to mu_handlers.on_mail, if the agent has one; else it is
- * answered `not-understood`, unless it was for many, or was itself an answer.  Layers are numbers:
- * a new one needs a handler and nothing else.  A directive never comes here: the runtime carries it
- * out.
+ * takes it.  A mail that no kind takes goes to mu_handlers.on_mail, if the agent has one; else it
+ * is answered `not-understood`, unless it was for many, or was itself an answer.  Layers are
+ * numbers: a new one needs a handler and nothing else.  A directive never comes here: the runtime
+ * carries it out.
  *
  * Kinds are constant and outlive their agents; self is mu_handlers.self.
  */
@@ -22,7 +22,7 @@
 extern "C" {
 #endif
 
-/* What a handler did with a mail. */
+/* The result of a handler. */
 enum mu_take {
     MU_PASS,    /* not mine: ask the next one */
     MU_TAKEN,   /* done, answered if an answer was wanted */
@@ -35,14 +35,14 @@ struct mu_layer_handler {
     enum mu_take (*take)(void *self, mu_agent *a, const struct mu_mail *mail);
 };
 
-/* What an agent lives through. */
+/* Events of an agent's life. */
 enum mu_event {
     MU_ON_CREATE,  /* the broker has accepted its name for the first time */
     MU_ON_RUN,     /* it begins to run: when it is created, or when it is started */
     MU_ON_ARRIVE,  /* it has moved here */
     MU_ON_LEAVE,   /* it is about to move */
     MU_ON_CLONE,   /* it is a copy of another one */
-    MU_ON_DISPOSE, /* it is about to go for good; what it sends now still goes out */
+    MU_ON_DISPOSE, /* it is about to go for good; mail that it sends now still goes out */
     MU_EVENTS
 };
 
@@ -54,11 +54,11 @@ struct mu_agent_kind {
 };
 
 /**
- * What every agent can do.
+ * The behaviour that every agent has.
  *
  * Layer 1: suspend, resume and dispose are granted, and answered `agree`, where the agent's state
  * allows them and it is not of MU_KIND_SPECIAL; they are refused else.  dispatch, retract and clone
- * are refused: `no-mobility` (a robot with rules grants them).  Mail waits for who is suspended, a
+ * are refused: `no-mobility` (a robot with rules grants them).  Mail waits for a suspended agent, a
  * request to resume, too: the directive does not.  Layer 2: the questions `state`, `groups` and
  * `services` are answered with `inform`: `state running`, `groups north scouts`, `services map`.
  */
@@ -74,7 +74,7 @@ void mu_agent_be(mu_agent *a, const struct mu_agent_kind *kind);
  *
  * @param from   how far it had come; NULL: it has taken no mail
  * @param event  what happens when it is accepted: MU_ON_ARRIVE, MU_ON_CLONE, or MU_ON_CREATE
- * @return as mu_agent_join; MU_MALFORMED also of what is no event
+ * @return as mu_agent_join; MU_MALFORMED also for an invalid event
  */
 MU_MUST_USE mu_result mu_agent_arrive(mu_process *p, mu_agent **out, const char *name,
                                       const struct mu_passage *from, enum mu_event event,
@@ -83,7 +83,7 @@ MU_MUST_USE mu_result mu_agent_arrive(mu_process *p, mu_agent **out, const char 
 /**
  * In a handler of a kind: asks its parent.
  *
- * @return what that did; MU_PASS also when nobody took it, and outside of a kind's handler
+ * @return the parent's result; MU_PASS also when nobody took it, and outside of a kind's handler
  */
 enum mu_take mu_agent_take_parent(mu_agent *a, const struct mu_mail *mail);
 

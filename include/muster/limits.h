@@ -4,7 +4,7 @@
  * Every capacity of muster, in one place.
  *
  * Each value may be replaced at build time, e.g. `make CPPFLAGS=-DMU_AGENTS_MAX=4096`.
- * What does not fit is refused with MU_FULL and counted; nothing grows at run time.
+ * A request beyond a capacity is refused with MU_FULL and counted; nothing grows at run time.
  */
 #ifndef MUSTER_LIMITS_H
 #define MUSTER_LIMITS_H
@@ -18,7 +18,7 @@
 /** Highest DDS domain: the ports of those above it end too soon for all processes. */
 #define MU_DOMAIN_MAX 230
 
-/** Bytes that a recording keeps of what an agent notes in a step. */
+/** Bytes of an agent's execution trace that a recording keeps of a step. */
 #ifndef MU_NOTE_MAX
 #define MU_NOTE_MAX 16384
 #endif
@@ -106,7 +106,7 @@
       MU_PART_AGENTS - 1) /                                                         \
      MU_PART_AGENTS)
 
-/** Brokers between an agent and whoever knows of it. */
+/** Brokers between an agent and a process that knows of it. */
 #define MU_DISTANCE_MAX 8
 
 /** Brokers that a mail passes at most. */
@@ -137,24 +137,24 @@
 #define MU_STEP_BYTES_MAX (64u << 20)
 #endif
 
-/** Agents on their way whose capsules one broker keeps. */
+/** Agents in migration whose snapshots one broker keeps. */
 #ifndef MU_CAPSULES_MAX
 #define MU_CAPSULES_MAX 64
 #endif
 
-/** A capsule with its passport, in bytes with the terminating zero. */
+/** A snapshot with its header, in bytes with the terminating zero. */
 #define MU_CAPSULE_MAX (1u << 20)
 
-/** Lines that only look, and have no answer yet, at one broker; and those of one process. */
+/** Probes without an answer at one broker; and those of one process. */
 #ifndef MU_GLANCES_MAX
 #define MU_GLANCES_MAX 64
 #endif
 #define MU_GLANCES_EACH 16
 
-/** Longest line that only looks, in bytes. */
+/** Longest probe, in bytes. */
 #define MU_GLANCE_LINE_MAX 255
 
-/** What such a line shows, in bytes with the terminating zero. */
+/** Longest answer to a probe, in bytes with the terminating zero. */
 #define MU_GLANCE_BYTES_MAX (256u << 10)
 
 /** Places in all boxes together: a mail takes one in the box of each of its receivers. */
@@ -226,7 +226,7 @@
 /** Changes of the world from outside that wait for the end of one step. */
 #define MU_ORDERS_MAX 64
 
-/** Acts in one Frame, and mails from outside: what observers see of a step. */
+/** Acts in one Frame that observers see, and mails from outside. */
 #define MU_FRAME_ACTS_MAX  4096
 #define MU_FRAME_MAILS_MAX 4096
 
@@ -240,9 +240,7 @@
 #define MU_WATCH_MAILS_MAX 16384
 #endif
 
-/** Frames that have come to a watch on every step and that it had no time for; older ones are
- * missed.
- */
+/** Frames that wait in a watch on every step; older ones are missed. */
 #ifndef MU_WATCH_BEHIND_MAX
 #define MU_WATCH_BEHIND_MAX 1024
 #endif

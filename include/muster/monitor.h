@@ -7,7 +7,7 @@
  * program that is slower than the run misses steps, and is told how many.  An agent that asks
  * robots by mail may live in the same process (mu_agent_join); its mails are in the hash.  If that
  * process watches (mu_process_options), and the agent is of MU_KIND_SPECIAL, a lock step waits for
- * it: what it sends in on_step goes out with the step after that.
+ * it: mail that it sends in on_step goes out with the step after that.
  *
  * Units: metres, radians (counter-clockwise, 0 along +x), seconds, or nanoseconds where the name
  * says so.
@@ -31,7 +31,7 @@ struct mu_outline {
     const float *corners_m; /* x, y, x, y, ..., counter-clockwise */
 };
 
-/* What does not change of a robot, or of a thing that can be moved. */
+/* The constant data of a robot, or of a thing that can be moved. */
 struct mu_figure {
     const char *name;
     const char *color;            /* CSS, or #rrggbb */
@@ -50,14 +50,14 @@ struct mu_scene {
     const struct mu_figure *objects;
 };
 
-/* A robot at the beginning of a step, and what it has come to since the start. */
+/* A robot at the beginning of a step, and its totals since the start. */
 struct mu_robot_view {
     const char *name;
     enum mu_state state;
     double x_m, y_m, heading_rad;   /* where it truly is */
     double forward_m_s, turn_rad_s; /* how it moves */
     double command_forward_m_s, command_turn_rad_s;
-    const char *goal; /* what it wants, as it said last: "gohome 3000.0 0.0"; "": it does not say */
+    const char *goal; /* its goal, as it said last: "gohome 3000.0 0.0"; "": it does not say */
     bool stalled;
     bool fault;  /* the simulator had to put it back */
     bool placed; /* it did not drive here: it was put here in the step before */
@@ -71,7 +71,7 @@ struct mu_object_view {
     double x_m, y_m, heading_rad;
 };
 
-/* What an agent did in a step. */
+/* The actions of an agent in a step. */
 struct mu_act_view {
     const char *agent;
     enum mu_state state;
@@ -79,7 +79,7 @@ struct mu_act_view {
     const char *rules; /* names of those that fired, in order, between spaces */
     size_t mail_count;
     const struct mu_mail *mails;
-    const char *diary; /* what went on in its mind; "" unless it keeps a diary */
+    const char *diary; /* its execution trace; "" unless it keeps one */
 };
 
 struct mu_frame {
@@ -112,7 +112,7 @@ struct mu_run_result {
     const char *reason;   /* "" when done */
 };
 
-/* What a watch tells; any may be NULL.  What they point to is valid in the handler only. */
+/* Events of a watch; any handler may be NULL.  Arguments are valid in the handler only. */
 struct mu_watch_handlers {
     void *self;
     /** A run is there: again with each run that begins after another one's end. */
@@ -125,7 +125,7 @@ struct mu_watch_options {
     int domain;            /* DDS domain; these three only where there is no process */
     const char *interface; /* address of the interface; NULL: 127.0.0.1 */
     const char *peer;      /* hosts of the simulator, joined by commas; NULL: this one */
-    bool latest;           /* one Frame every 40 ms at most, for who shows them; else every step */
+    bool latest;           /* one Frame every 40 ms at most, for a display; else every step */
     struct mu_watch_handlers handlers;
 };
 
@@ -142,7 +142,7 @@ MU_MUST_USE mu_result mu_watch_open(mu_watch **out, mu_process *p,
                                     const struct mu_watch_options *options);
 
 /**
- * Waits for at most timeout_ns and hands out what is there.
+ * Waits for at most timeout_ns and hands out samples that have arrived.
  *
  * @return MU_OK; MU_DONE: a run has ended, and on_end was called; it may be called again, for the
  *         next run; MU_BUSY: a handler of this watch called it; MU_FAULT_USAGE: in a child of the

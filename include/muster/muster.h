@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file muster.h
- * All of libmuster: see agent.h for what a controller needs, directory.h for groups and services,
- * kind.h for more, monitor.h and stats.h for looking at runs.
+ * All of libmuster: agent.h for a controller, directory.h for groups and services, kind.h for
+ * layers of mail, monitor.h and stats.h for a look at runs.
  */
 #ifndef MUSTER_MUSTER_H
 #define MUSTER_MUSTER_H

@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-/* Name, word, what it means.  The order is that of the wire: new ones come last. */
+/* Name, word, meaning.  The order is that of the wire: new ones come last. */
 #define MU_REFUSALS(X)                                                                        \
     X(NONE, "", "")                                                                           \
     X(NAME_HELD, "held", "another participant has that name")                                 \
@@ -43,10 +43,10 @@ enum mu_refusal {
 #undef X
 };
 
-/** @return the word of a code; "" of MU_REFUSAL_NONE and of a number that is none */
+/** @return the word of a code; "" of MU_REFUSAL_NONE and of an invalid number */
 const char *mu_refusal_word(enum mu_refusal code);
 
-/** @return what a person is told of a code; "" of MU_REFUSAL_NONE and of a number that is none */
+/** @return the text of a code for people; "" of MU_REFUSAL_NONE and of an invalid number */
 const char *mu_refusal_text(enum mu_refusal code);
 
 /** @return the code of a word; MU_REFUSAL_NONE: it is the word of none */

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file resolver.h
- * Agents that say whom an address SCHEME:REST stands for.
+ * Agents that turn an address SCHEME:REST into names.
  *
  * A resolver offers the service `resolver` with the attribute scheme=SCHEME.  The broker asks the
- * first one in order of name, a mail of layer 2 to which the runtime answers, and delivers the mail
- * to those whom it names.  What is no address, and what is not answered within a second (in a lock
- * step: ten steps), is unknown-name.
+ * first one in order of name, by a mail of layer 2 to which the runtime answers.  It delivers the
+ * mail to the names in the answer.  An invalid address, and one without an answer within a second
+ * (in a lock step: ten steps), is unknown-name.
  *
- * In a lock step those alone are asked that belong to it: set mu_process_options.watches.
+ * A lock step asks only resolvers that belong to it: set mu_process_options.watches.
  */
 #ifndef MUSTER_RESOLVER_H
 #define MUSTER_RESOLVER_H
@@ -22,17 +22,16 @@ extern "C" {
 
 typedef struct mu_resolution mu_resolution;
 
-/* Says whom an address stands for; see mu_agent_resolve. */
+/* Turns an address into names; see mu_agent_resolve. */
 typedef bool (*mu_resolve)(void *self, mu_agent *a, const char *rest, const char *sender,
                            mu_resolution *r);
 
 /**
  * Makes an agent a resolver, of one scheme; a later call replaces it.
  *
- * @param resolve  says whom an address stands for, by mu_resolution_add; nobody is an answer, too.
- *                 It gets what stands behind the colon, and whose mail it is, whom the broker
- *                 leaves out.  It returns whether it is an address: if not, the sender is told
- *                 unknown-name.
+ * @param resolve  adds names by mu_resolution_add; no name is an answer, too.  It gets the text
+ *                 behind the colon, and the mail's sender, which the broker leaves out.  It
+ *                 returns whether the address is valid: if not, the sender is told unknown-name.
  * @param self     its first argument
  * @return as mu_agent_advertise; MU_MALFORMED: the scheme is not a name
  */

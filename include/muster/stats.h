@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file stats.h
- * What a run amounts to so far, out of its Scene and its Frames: the same figures as in a report.
+ * Statistics of a run so far, from its Scene and its Frames: the same figures as in a report.
  *
- * Nothing here reads a clock, a file or the network.  Who takes in every Frame has exactly the
- * figures of summary.json.  Who misses some still has those totals that Frames carry; the explored
- * part takes a straight line between two Frames, and nearest approaches, arrivals and mail by
- * performative count what was seen.
+ * Nothing here reads a clock, a file or the network.  A program that takes in every Frame has the
+ * exact figures of summary.json.  A program that misses some has the totals that Frames carry. Then
+ * the explored part takes a straight line between two Frames, and nearest approaches, arrivals and
+ * mail by performative count only the Frames that came.
  */
 #ifndef MUSTER_STATS_H
 #define MUSTER_STATS_H
@@ -16,7 +16,7 @@
 #pragma GCC visibility push(default)
 #ifdef __cplusplus
 extern "C" {
-/* Some functions bear the name of what they return, which hides its constructor. */
+/* Some functions have the name of the struct that they return, which hides its constructor. */
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wshadow"
 #endif
@@ -75,7 +75,7 @@ void mu_stats_take(mu_stats *s, const struct mu_frame *frame);
 
 /**
  * Sets the place that a robot is to reach; the time to it counts from the last Frame on.  A goal of
- * rules, (goal WORD X Y) in mm, is seen where a robot keeps a diary, and replaces it.
+ * rules, (goal WORD X Y) in mm, is seen where a robot keeps an execution trace, and replaces it.
  *
  * @param near_m  it is there when its centre is so near
  * @return MU_OK; MU_ABSENT: there is no such robot; MU_MALFORMED: not finite
@@ -110,9 +110,13 @@ const char *mu_stats_performative(const mu_stats *s, size_t index, uint64_t *cou
  */
 bool mu_stats_pair(const mu_stats *s, size_t index, struct mu_stats_pair *pair);
 
-/** @return metres per second that a robot was not stalled, 0 when it was stalled for more than half
- * of the time: what the most efficient one is chosen
- *          by; step_s: how long one step is, the least that counts */
+/**
+ * The most efficient robot has the highest of these figures.
+ *
+ * @param step_s  the length of a step, the shortest time that counts
+ * @return metres per second that a robot was not stalled; 0: it was stalled for more than half of
+ *         the time
+ */
 double mu_stats_efficiency(double distance_m, double time_s, double stalled_s, double step_s);
 
 #ifdef __cplusplus

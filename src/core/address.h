@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file address.h
- * Whom a mail is for: a name, names joined by commas, a word that stands for many, group:G, or
- * another SCHEME:REST that a program resolves.
+ * The receivers of a mail: a name, names joined by commas, a word for many agents, group:G, or
+ * another SCHEME:REST, which a program resolves.
  */
 #ifndef MUSTER_CORE_ADDRESS_H
 #define MUSTER_CORE_ADDRESS_H
@@ -25,10 +25,10 @@ enum mu_address_kind mu_address_kind(const char *dst);
 /** @return whether dst is one of the words, SCHEME:REST, or a list of valid names */
 bool mu_address_valid(const char *dst);
 
-/** @return what stands behind the colon of a group or another scheme */
+/** @return the text behind the colon of a group or another scheme */
 const char *mu_address_rest(const char *dst);
 
-/** Takes the next name from a list.  @return false at the end, or at what is no valid name */
+/** Takes the next name from a list.  @return false at the end, or at an invalid name */
 bool mu_address_next(const char **list, char name[MU_NAME_MAX + 1]);
 
 #endif

@@ -10,8 +10,8 @@
  *     mapper role=scout battery>=0.5 y!=2     = != < <= > >=
  *     * near=2.5,-1,3                         x and y, in metres, at most 3 m from (2.5, -1)
  *
- * Two numbers are compared as numbers, all else as text, which has no order.  What is not an
- * attribute of a service fits no constraint, != neither.
+ * Two numbers are compared as numbers, all other values as text, which has no order.  A constraint,
+ * also one with !=, never holds for a key that the service lacks.
  */
 #ifndef MUSTER_CORE_ATTRIBUTES_H
 #define MUSTER_CORE_ATTRIBUTES_H

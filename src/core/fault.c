@@ -4,7 +4,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-/* What stands in a file may be a word to a terminal. */
+/* A control character from a file could command a terminal. */
 static void text_disarm(char *text)
 {
     for (; *text; text++) {

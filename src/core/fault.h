@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file fault.h
- * A mistake in a file that a person wrote: where it is, and what was expected.
+ * A mistake in a file that a person wrote: its place, and the text that was expected.
  */
 #ifndef MUSTER_CORE_FAULT_H
 #define MUSTER_CORE_FAULT_H
@@ -30,7 +30,7 @@ struct mu_fault {
     char text[MU_FAULT_TEXT_MAX + 1];
 };
 
-/* Who wants to hear of every mistake in a file, not only of the first. */
+/* A listener hears of every mistake in a file, not only of the first. */
 struct mu_fault_listener {
     /* mistake: false when it is a warning */
     void (*tell)(void *self, const struct mu_fault *fault, bool mistake);
@@ -38,14 +38,14 @@ struct mu_fault_listener {
 };
 
 /**
- * Fills a fault; what does not fit is cut, and control characters are shown as a question mark.
+ * Fills a fault.  A long text is cut; a control character becomes a question mark.
  *
  * @return MU_FAULT_FILE, so that `return mu_fault_at(...)` reads well
  */
 mu_result mu_fault_at(struct mu_fault *fault, const char *file, int line, int column,
                       const char *format, ...) __attribute__((format(printf, 5, 6)));
 
-/** Prints "file:line:column: text" to standard error, leaving out what is not known. */
+/** Prints "file:line:column: text" to standard error, without the numbers that are not known. */
 void mu_fault_print(const struct mu_fault *fault);
 
 /** mu_fault_print to another file, with a word before the text: "", or "warning: ". */

@@ -8,7 +8,7 @@
 
 #include "core/text.h"
 
-/** Adds a space and a field; what is no symbol becomes a string. */
+/** Adds a space and a field: a symbol, or else a string. */
 void mu_fields_add(struct mu_text *t, const char *s);
 
 /** Adds a string, quoted. */

@@ -29,9 +29,9 @@ typedef void mu_json_take(void *self, const char *path, const struct mu_json_val
 /**
  * Reads a whole document: any value, at most MU_JSON_DEPTH_MAX deep.
  *
- * @param file  what it is called, for faults
+ * @param file  its name, for faults
  * @param text  ends with a zero
- * @return MU_OK; MU_FAULT_FILE with the place and what was expected: then some values may have
+ * @return MU_OK; MU_FAULT_FILE with the place and the expected text: then some values may have
  *         been told already
  */
 MU_MUST_USE mu_result mu_json_read(const char *file, const char *text, mu_json_take *take,

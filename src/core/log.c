@@ -18,7 +18,7 @@ void mu_log_open(const char *component, enum mu_log_level most)
     log_most = most;
 }
 
-/* What is logged may be a stranger's words: they stay on one line, and move no cursor. */
+/* A stranger's words in the log stay on one line and move no cursor. */
 static void details_add(struct mu_text *line, char *details)
 {
     size_t len = strlen(details);

@@ -115,7 +115,7 @@ static mu_result options_take(struct options_reader *r, struct mu_option *option
     return MU_OK;
 }
 
-/* @param value  what follows "=" or a letter; NULL: nothing */
+/* @param value  the text behind "=" or a letter; NULL: none */
 static mu_result options_take_value(struct options_reader *r, struct mu_option *option,
                                     const char *value)
 {

@@ -46,7 +46,7 @@ struct mu_option {
     const char *name; /* without the dashes */
     char letter;      /* of its short form; 0: none */
     enum mu_option_kind kind;
-    const char *unit;        /* or what the value is, for --help: "S", "FILE" */
+    const char *unit;        /* or the kind of value, for --help: "S", "FILE" */
     const char *fallback;    /* the default, as one would type it; NULL: the target is left alone */
     const char *environment; /* "MUSTER_RATE"; NULL: none, nor in the configuration file */
     const char *help;
@@ -59,13 +59,13 @@ struct mu_option {
 
 struct mu_options {
     const char *program; /* "muster run" */
-    const char *usage;   /* what stands after it: "FILE [OPTION...]" */
+    const char *usage;   /* the words behind it: "FILE [OPTION...]" */
     const char *about;   /* one sentence or more, for --help */
     struct mu_option *table;
     size_t count;
     bool no_words; /* it takes nothing but options */
 
-    const char *words[MU_OPTION_WORDS_MAX]; /* set by mu_options_parse: what is no option */
+    const char *words[MU_OPTION_WORDS_MAX]; /* set by mu_options_parse: words that are no options */
     size_t words_count;
 };
 

@@ -16,7 +16,7 @@ enum { MU_OPTION_WHY_MAX = 128 };
  * The source must be set before: a list on the command line takes one item a call; any other
  * source gives the whole list, with commas.
  *
- * @param why  what was expected, when the answer is false
+ * @param why  the expected value, when the answer is false
  */
 bool mu_option_set(struct mu_option *option, const char *value, char why[MU_OPTION_WHY_MAX]);
 

@@ -10,7 +10,7 @@
 
 /*
  * Twenty, as far from each other in CIELAB as their names allow (42 on a light ground, 33 on a dark
- * one), each with a contrast to the ground of 2.1, or 3.  rgb: what a world calls so.
+ * one), each with a contrast to the ground of 2.1, or 3.  rgb: the colour that a world calls so.
  */
 static const struct palette_row {
     const char *name;

@@ -19,11 +19,11 @@ struct palette_color {
                          do not tell them apart */
 };
 
-/* Who is to have a colour. */
+/* A robot that needs a colour. */
 struct palette_robot {
     const char *name; /* the colour that it is called after, if nobody has that */
     uint32_t rgb; /* the world's or the experiment's; one that others have, too, does not count */
-    bool stands;  /* nobody drives it: what it has changes nothing for those that somebody does */
+    bool stands;  /* nobody drives it: its colour does not change those of driven robots */
 };
 
 /** Chooses a colour for each of the robots, in their order: its own, else that of its name, else

@@ -37,7 +37,7 @@ bool mu_path_join(char *path, size_t size, const char *folder, const char *file)
 
 void mu_path_plain(char *path)
 {
-    char *end = path; /* of what is kept */
+    char *end = path; /* of the part that is kept */
     for (const char *at = path; *path == '/' && *at;) {
         size_t len = 1 + strcspn(at + 1, "/"); /* with the slash before it */
         if (len == 3 && strncmp(at, "/..", 3) == 0) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file performatives.h
- * The words for what a mail does: KQML's (Finin and others, 1993; Labrou and Finin, 1997) and
+ * The words for the intent of a mail: KQML's (Finin and others, 1993; Labrou and Finin, 1997) and
  * FIPA's (SC00037J).
  */
 #ifndef MUSTER_CORE_PERFORMATIVES_H

@@ -12,8 +12,8 @@
 typedef int mu_sort_compare(const void *one, const void *other, const void *context);
 
 /**
- * Puts items in order, the smallest first; equal ones come in any order.  What is in order already
- * costs one look.
+ * Puts items in order, the smallest first; equal ones come in any order.  Items in order cost one
+ * pass.
  *
  * @param count, size  so many items of so many bytes
  * @param context      passed on to compare

@@ -94,7 +94,7 @@ mu_result mu_table_remove(struct mu_table *t, const char *name)
     if (!t->slots[hole].name) {
         return MU_ABSENT;
     }
-    /* Moves back whoever probed past the hole, so that no tombstones are needed (Knuth 6.4, R). */
+    /* Moves back the names that probed past the hole: no tombstones are needed (Knuth 6.4, R). */
     for (uint32_t i = (hole + 1) & t->mask; t->slots[i].name; i = (i + 1) & t->mask) {
         uint32_t home = t->slots[i].hash & t->mask;
         if (((i - home) & t->mask) >= ((i - hole) & t->mask)) {

@@ -80,7 +80,7 @@ bool mu_text_copy(char *to, size_t size, const char *from)
     return !t.cut;
 }
 
-/* What is longer is cut: bytes of a word, each of which may take four when it is shown. */
+/* A longer word is cut: each of its bytes may take four when it is shown. */
 enum { SHOWN_BYTES = 24 };
 
 const char *mu_text_show(char shown[MU_TEXT_SHOWN], const char *word)

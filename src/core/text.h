@@ -31,8 +31,7 @@ void mu_text_add(struct mu_text *t, const char *s);
 /** Adds len bytes of a string, or as many as fit. */
 void mu_text_add_bytes(struct mu_text *t, const char *s, size_t len);
 
-/** Adds len bytes of what a stranger wrote, for a terminal: "?" stands for each control character.
- */
+/** Adds len bytes of a stranger's text, for a terminal: "?" stands for each control character. */
 void mu_text_add_plain(struct mu_text *t, const char *s, size_t len);
 
 /** Adds formatted text; all of it or, cut, as much as fits. */
@@ -42,7 +41,7 @@ void mu_text_format(struct mu_text *t, const char *format, ...)
 /** Copies a string into a buffer of size bytes.  @return whether all of it fitted */
 bool mu_text_copy(char *to, size_t size, const char *from);
 
-/** Makes what somebody typed fit for one line of a terminal: short, and printable. */
+/** Makes typed text fit for one line of a terminal: short, and printable. */
 const char *mu_text_show(char shown[MU_TEXT_SHOWN], const char *word);
 
 #endif

@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/** What stands for bytes that are no UTF-8: U+FFFD. */
+/** The character in place of bytes that are no UTF-8: U+FFFD. */
 #define MU_UTF8_BROKEN      0xfffdu
 #define MU_UTF8_BROKEN_TEXT "\xef\xbf\xbd"
 
