@@ -50,10 +50,9 @@ struct solid {
     uint32_t returns; /* of enum solid_returns */
     int32_t owner; /* the body that it moves with, or SOLID_NOBODY. An object in a gripper has the
                       robot as its owner, so that the robot's sensors do not see it */
-    int32_t fiducial; /* 0: it bears no number */
-    double reach;     /* radius of the circle around it */
-    uint32_t rgb;     /* 0xRRGGBB */
-    bool away;        /* lifted off the floor: no body meets it and no ray sees it */
+    double reach;  /* radius of the circle around it */
+    struct world_look look; /* what sensors report of it */
+    bool away;              /* lifted off the floor: no body meets it and no ray sees it */
 };
 
 /** @return a box that returns everything and has no owner */
@@ -64,7 +63,7 @@ struct solid solid_disc(double x_m, double y_m, double radius_m);
 
 struct solid solid_of_shape(const struct world_shape *shape);
 
-/** Sets the members that depend on the look: returns, fiducial, rgb. */
+/** Sets the look, and what a ray may look for. */
 void solid_look(struct solid *solid, const struct world_look *look);
 
 /** Writes the half sizes of the upright box around a solid. */

@@ -43,8 +43,7 @@ void solid_look(struct solid *solid, const struct world_look *look)
 {
     solid->returns = (look->stops ? SOLID_STOPS : 0u) | (look->echoes ? SOLID_ECHOES : 0u) |
                      (look->shows ? SOLID_SHOWS : 0u);
-    solid->fiducial = look->fiducial;
-    solid->rgb = look->rgb;
+    solid->look = *look;
 }
 
 void solid_extent(const struct solid *solid, double *x_m, double *y_m)

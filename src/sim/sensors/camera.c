@@ -36,7 +36,7 @@ static uint32_t camera_run(const struct camera *camera, const struct sensing *at
     uint32_t k = first + 1;
     while (k < camera->table.count && at->hit[k] != FAN_NOTHING) {
         const struct solid *next = gather_solid(at->gather, at->hit[k]);
-        if (next->owner != seen->owner || next->rgb != seen->rgb) {
+        if (next->owner != seen->owner || next->look.rgb != seen->look.rgb) {
             break;
         }
         k++;
@@ -72,7 +72,7 @@ size_t camera_read(const struct camera *camera, const struct sensing *at, struct
             continue;
         }
         next = camera_run(camera, at, first);
-        uint32_t rgb = gather_solid(at->gather, at->hit[first])->rgb;
+        uint32_t rgb = gather_solid(at->gather, at->hit[first])->look.rgb;
         double middle = table->first_rad + table->step_rad * (first + next - 1) / 2;
         struct mu_blob blob = {.rgb = rgb,
                                .bearing_rad = middle,

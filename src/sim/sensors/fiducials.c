@@ -52,7 +52,7 @@ static bool fiducials_look(const struct fiducials *finder, const struct sensing 
     }
     double c = eye->c * bearer->c + eye->s * bearer->s;
     double s = eye->c * bearer->s - eye->s * bearer->c;
-    *out = (struct mu_fiducial){.number = range <= finder->range_id_m ? bearer->fiducial : 0,
+    *out = (struct mu_fiducial){.number = range <= finder->range_id_m ? bearer->look.fiducial : 0,
                                 .bearing_rad = bearing,
                                 .range_m = range,
                                 .heading_rad = atan2(s, c)};
@@ -83,7 +83,7 @@ size_t fiducials_read(const struct fiducials *finder, const struct sensing *at,
     for (size_t k = 0; k < at->near.solids.count; k++) {
         const struct solid *bearer = gather_solid(at->gather, at->near.solids.id[k]);
         struct mu_fiducial one;
-        if (bearer->fiducial != 0 && fiducials_look(finder, at, &eye, bearer, &one)) {
+        if (bearer->look.fiducial != 0 && fiducials_look(finder, at, &eye, bearer, &one)) {
             count = fiducials_rank(found, count, &one);
         }
     }

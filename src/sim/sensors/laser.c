@@ -53,7 +53,7 @@ static void laser_blur(const struct laser *laser, const struct sensing *at)
     }
 }
 
-void laser_read(const struct laser *laser, const struct sensing *at, float range_m[])
+void laser_read(const struct laser *laser, const struct sensing *at)
 {
     if (laser->noise.angle_rad > 0) {
         laser_scatter(laser, at);
@@ -65,6 +65,6 @@ void laser_read(const struct laser *laser, const struct sensing *at, float range
     }
     const struct noise_limits limits = laser->range;
     for (uint32_t k = 0; k < laser->table.count; k++) {
-        range_m[k] = (float)noise_clip(&limits, at->range_m[k]);
+        at->lists->laser_m[k] = (float)noise_clip(&limits, at->range_m[k]);
     }
 }

@@ -9,18 +9,28 @@
 #include "sim/sensors/fan.h"
 #include "sim/sensors/sensors.h"
 
+/* The lists of the table: those of one robot, or those of all robots in one piece. */
+#define SENSORS_LIST(id, senses, type, list, count, ...) \
+    type *list;                                          \
+    size_t count;
+struct sensors_lists {
+    MU_CHANNELS(SENSORS_LIST)
+};
+
 /* What one thread reads the sensors of a robot with: the scene, the robot, and scratch memory. */
 struct sensing {
     const struct grid *grid;
     const struct gather *gather;
     uint64_t seed, step; /* of all random numbers */
     struct frame robot;
-    int32_t self;            /* the robot's number: sensors do not see solids of this owner */
-    struct gather_list near; /* solids within the reach of laser, camera and finder */
-    struct fan_rays rays;    /* of a ring of sonars */
-    uint64_t key;            /* of the random numbers of a ring of sonars */
-    double *range_m;         /* of each beam of a laser or camera */
-    int64_t *hit;            /* the solid that each beam hit, as in struct fan_kernel */
+    uint32_t due;                /* what is read now: bits of enum mu_sense */
+    struct sensors_lists *lists; /* of the robot: where readings go */
+    int32_t self;                /* the robot's number: sensors do not see solids of this owner */
+    struct gather_list near;     /* solids within the reach of laser, camera and finder */
+    struct fan_rays rays;        /* of a ring of sonars */
+    uint64_t key;                /* of the random numbers of a ring of sonars */
+    double *range_m;             /* of each beam of a laser or camera */
+    int64_t *hit;                /* the solid that each beam hit, as in struct fan_kernel */
 };
 
 /** @return the key of the random numbers of a sensor in this step */
@@ -109,8 +119,8 @@ void laser_init(struct laser *laser, const struct world_laser *from);
 /** @return the distance that it sees, from the robot's middle */
 double laser_reach(const struct laser *laser);
 
-/** Reads all samples, from right to left.  They are in metres. */
-void laser_read(const struct laser *laser, const struct sensing *at, float range_m[]);
+/** Reads what is due of all samples, from right to left, into the lists of the robot. */
+void laser_read(const struct laser *laser, const struct sensing *at);
 
 /* --- camera ----------------------------------------------------------------------------------- */
 

@@ -15,11 +15,25 @@ enum {
 
 #define SENSORS_NEVER UINT64_MAX
 
-/* The sensors that use the solids that gather_near lists. */
-#define SENSORS_NEAR (MU_SENSE_LASER | MU_SENSE_CAMERA | MU_SENSE_FIDUCIALS)
+/* The sensor that reads a list, of those that must be asked for: the others are parts of it. */
+#define SENSORS_OF(senses) ((uint32_t)__builtin_ctz(senses))
 
-/* The sensors that use the tiles. */
-#define SENSORS_GATHERED (SENSORS_NEAR | MU_SENSE_SONAR)
+/* @return the bits of a sensor and of its parts */
+static inline uint32_t sensors_parts(uint32_t sensor)
+{
+    uint32_t parts = 1u << sensor;
+#define PARTS(id, senses, ...) parts |= SENSORS_OF(senses) == sensor ? (senses) : 0u;
+    MU_CHANNELS(PARTS)
+#undef PARTS
+    return parts;
+}
+
+/* @return the bits of the sensors that use the solids that gather_near lists */
+static inline uint32_t sensors_near(void)
+{
+    return sensors_parts(MU_SENSOR_LASER) | sensors_parts(MU_SENSOR_CAMERA) |
+           sensors_parts(MU_SENSOR_FIDUCIALS);
+}
 
 /* The models of all robots with the same sensors. */
 struct sensors_kind {
@@ -28,17 +42,9 @@ struct sensors_kind {
     struct laser laser;
     struct camera camera;
     struct fiducials finder;
-    uint32_t has;                  /* bits of enum mu_sense */
-    double reach_m;                /* reach of laser, camera and finder */
-    size_t room[MU_CHANNEL_COUNT]; /* elements of each list */
-};
-
-/* The lists of the table: those of one robot, or those of all robots in one piece. */
-#define SENSORS_LIST(id, senses, type, list, count, ...) \
-    type *list;                                          \
-    size_t count;
-struct sensors_lists {
-    MU_CHANNELS(SENSORS_LIST)
+    uint32_t has;                 /* bits of enum mu_sense */
+    double reach_m;               /* reach of laser, camera and finder */
+    size_t room[MU_SENSOR_COUNT]; /* most elements of the lists of each sensor */
 };
 
 struct sensors_robot {
@@ -91,14 +97,13 @@ static void sensors_kind_init(struct sensors_kind *kind, const struct world_robo
     double camera_m = camera_reach(&kind->camera);
     double finder_m = fiducials_reach(&kind->finder);
     kind->reach_m = fmax(laser_m, fmax(camera_m, finder_m));
-    kind->has = (kind->sonars.count > 0 ? MU_SENSE_SONAR : 0) |
-                (kind->laser.table.count > 0 ? MU_SENSE_LASER : 0) |
-                (kind->camera.table.count > 0 ? MU_SENSE_CAMERA : 0) |
-                (finder_m > 0 ? MU_SENSE_FIDUCIALS : 0);
-    kind->room[MU_CHANNEL_SONAR] = kind->sonars.count;
-    kind->room[MU_CHANNEL_LASER] = kind->laser.table.count;
-    kind->room[MU_CHANNEL_BLOBS] = kind->has & MU_SENSE_CAMERA ? MU_BLOBS_MAX : 0;
-    kind->room[MU_CHANNEL_FIDUCIALS] = kind->has & MU_SENSE_FIDUCIALS ? MU_FIDUCIALS_MAX : 0;
+    kind->room[MU_SENSOR_SONAR] = kind->sonars.count;
+    kind->room[MU_SENSOR_LASER] = kind->laser.table.count;
+    kind->room[MU_SENSOR_CAMERA] = kind->camera.table.count > 0 ? MU_BLOBS_MAX : 0;
+    kind->room[MU_SENSOR_FIDUCIALS] = finder_m > 0 ? MU_FIDUCIALS_MAX : 0;
+    for (uint32_t k = 0; k < MU_SENSOR_COUNT; k++) {
+        kind->has |= kind->room[k] > 0 ? sensors_parts(k) : 0;
+    }
 }
 
 static const struct sensors_kind *sensors_kind_of(struct sensors *s,
@@ -118,9 +123,15 @@ static void sensors_robot_init(struct sensors *s, size_t i)
     struct sensors_robot *r = &s->robots[i];
     const struct world_robot *model = &s->scene.world->robots[i];
     r->kind = sensors_kind_of(s, model);
-    memcpy(r->period_ns, model->period_ns, sizeof r->period_ns);
+    for (uint32_t k = MU_SENSOR_COUNT; k-- > 0;) { /* a part has the period of its sensor */
+        for (uint32_t part = k; part < MU_SENSOR_COUNT; part++) {
+            if (sensors_parts(k) & 1u << part) {
+                r->period_ns[part] = model->period_ns[k];
+            }
+        }
+    }
 #define RESERVE(id, senses, type, list, count, ...) \
-    s->memory.count += r->kind->room[MU_CHANNEL_##id];
+    s->memory.count += r->kind->room[SENSORS_OF(senses)];
     MU_CHANNELS(RESERVE)
 #undef RESERVE
 }
@@ -135,9 +146,9 @@ static void sensors_lists_init(struct sensors *s)
     struct sensors_lists next = s->memory;
     for (size_t i = 0; i < s->robot_count; i++) {
         struct sensors_robot *r = &s->robots[i];
-#define SHARE(id, senses, type, list, count, ...)    \
-    r->lists.list = next.list;                       \
-    r->lists.count = r->kind->room[MU_CHANNEL_##id]; \
+#define SHARE(id, senses, type, list, count, ...)       \
+    r->lists.list = next.list;                          \
+    r->lists.count = r->kind->room[SENSORS_OF(senses)]; \
     next.list += r->lists.count;
         MU_CHANNELS(SHARE)
 #undef SHARE
@@ -243,15 +254,17 @@ static void sensors_read_robot(const struct sensors *s, size_t i, uint32_t wante
     at->robot = r->frame;
     at->self = (int32_t)i;
     at->step = s->step;
-    if (due & SENSORS_NEAR) {
+    at->due = due;
+    at->lists = &r->lists;
+    if (due & sensors_near()) {
         struct gather_circle circle = {r->frame.x, r->frame.y, kind->reach_m};
         gather_near(&s->gather, &circle, at->self, &at->near);
     }
     if (due & MU_SENSE_SONAR) {
         sonar_read(&kind->sonars, at, r->lists.sonar_m);
     }
-    if (due & MU_SENSE_LASER) {
-        laser_read(&kind->laser, at, r->lists.laser_m);
+    if (due & sensors_parts(MU_SENSOR_LASER)) {
+        laser_read(&kind->laser, at);
     }
     if (due & MU_SENSE_CAMERA) {
         r->lists.blob_count = camera_read(&kind->camera, at, r->lists.blobs);
@@ -277,7 +290,7 @@ static bool sensors_any_gathered(const struct sensors *s, const uint32_t wanted[
     for (size_t i = 0; i < s->robot_count; i++) {
         any |= wanted[i] & s->robots[i].kind->has;
     }
-    return any & SENSORS_GATHERED;
+    return any & (sensors_near() | MU_SENSE_SONAR);
 }
 
 void sensors_read_all(struct sensors *s, const uint32_t wanted[], uint64_t step)

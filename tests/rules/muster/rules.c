@@ -17,6 +17,7 @@
  *   ; line: (follow red)              what a person types
  *   ; facts: goal                     what another agent asks for; no word: all facts
  *   ; laser: 500 1000               what the beams read from now on if rules look at it; mm
+ *   ; list: laser 0.5 1             the same for any plain list of the table of sensors; as in C
  *   ; blob: ff0000 10 5 1500        one more in the camera: rgb, bearing, width deg, range mm; or
  * none ; fiducial: 7 10 1500 90        likewise: number, bearing deg, range mm, heading deg ;
  * senses:                       prints which sensors the rules look at ; acts: on each step also
@@ -29,6 +30,7 @@
  * failure.
  */
 #include "core/attributes.h"
+#include "core/sensors.h"
 #include "mind/mind.h"
 #include "muster/limits.h"
 
@@ -67,10 +69,11 @@ struct bench {
     double x_mm, y_mm, heading_deg, speed_mm_s, turn_deg_s;
     float sonar_m[SONARS];
     double odometer_x_mm, odometer_y_mm, odometer_deg, bumpers, gripper, battery;
-    float laser_m[BEAMS];
+    float lists[MU_CHANNEL_COUNT][BEAMS];
+    size_t counts[MU_CHANNEL_COUNT];
     struct mu_blob blobs[MU_BLOBS_MAX];
     struct mu_fiducial fiducials[MU_FIDUCIALS_MAX];
-    size_t laser_count, blob_count, fiducial_count;
+    size_t blob_count, fiducial_count;
     uint32_t senses; /* that the simulator was asked for with the last step */
     bool stalled, acts;
     uint64_t steps, mail_id;
@@ -332,14 +335,18 @@ static void step(struct bench *b)
                            .battery_share = b->battery,
                            .bumpers = (uint32_t)b->bumpers,
                            .gripper = (uint32_t)b->gripper,
-                           .laser_count = b->senses & MU_SENSE_LASER ? b->laser_count : 0,
-                           .laser_m = b->laser_m,
                            .blob_count = b->senses & MU_SENSE_CAMERA ? b->blob_count : 0,
                            .blobs = b->blobs,
                            .fiducial_count = b->senses & MU_SENSE_FIDUCIALS ? b->fiducial_count : 0,
                            .fiducials = b->fiducials,
                            .sonar_count = SONARS,
                            .sonar_m = b->sonar_m};
+    for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
+        const struct mu_channel *c = &mu_channels[i];
+        if (b->counts[i] > 0 && (b->senses & c->senses) == c->senses) {
+            mu_channel_set(c, &p, b->lists[i], b->counts[i]);
+        }
+    }
     mind_percept(b->mind, &p);
     for (size_t i = 0; i < b->mail_count; i++) {
         const struct waiting *w = &b->mails[i];
@@ -526,9 +533,26 @@ static void do_laser(struct bench *b, const char *text)
 {
     double mm;
     int len;
-    for (b->laser_count = 0; b->laser_count < BEAMS && sscanf(text, "%lf%n", &mm, &len) == 1;
-         text += len) {
-        b->laser_m[b->laser_count++] = (float)(mm / 1000);
+    size_t *count = &b->counts[MU_CHANNEL_LASER];
+    for (*count = 0; *count < BEAMS && sscanf(text, "%lf%n", &mm, &len) == 1; text += len) {
+        b->lists[MU_CHANNEL_LASER][(*count)++] = (float)(mm / 1000);
+    }
+}
+
+static void do_list(struct bench *b, const char *text)
+{
+    for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
+        const char *at = text + strlen(mu_channels[i].fact);
+        int len;
+        if (!mu_channels[i].plain || at[0] != ' ' ||
+            strncmp(text, mu_channels[i].fact, (size_t)(at - text)) != 0) {
+            continue;
+        }
+        for (b->counts[i] = 0;
+             b->counts[i] < BEAMS && sscanf(at, "%f%n", &b->lists[i][b->counts[i]], &len) == 1;
+             at += len) {
+            b->counts[i]++;
+        }
     }
 }
 
@@ -559,15 +583,14 @@ static void do_fiducial(struct bench *b, const char *text)
 
 static void do_senses(struct bench *b, const char *text)
 {
-    static const char *const names[] = {"sonar", "laser", "camera", "fiducials"};
-    char line[64] = "senses";
+    char line[128] = "senses";
     (void)text;
-    for (size_t i = 0; i < 4; i++) {
-        size_t len = strlen(line);
-        if (mind_senses(b->mind) & 1u << i) {
-            snprintf(line + len, sizeof line - len, " %s", names[i]);
-        }
+#define ADD(id, word, ...)                                                      \
+    if (mind_senses(b->mind) & MU_SENSE_##id) {                                 \
+        snprintf(line + strlen(line), sizeof line - strlen(line), " %s", word); \
     }
+    MU_SENSORS(ADD)
+#undef ADD
     out_line(b, line);
 }
 
@@ -583,7 +606,8 @@ static const struct {
                   {"speech", do_speech}, {"text", do_text},         {"line", do_line},
                   {"layer", do_layer},   {"event", do_event},       {"refused", do_refused},
                   {"facts", do_facts},   {"acts", do_acts},         {"laser", do_laser},
-                  {"blob", do_blob},     {"fiducial", do_fiducial}, {"senses", do_senses}};
+                  {"blob", do_blob},     {"fiducial", do_fiducial}, {"senses", do_senses},
+                  {"list", do_list}};
 
 /* One line of the file; a comment that is a directive is done. */
 static void do_file_line(struct bench *b, const char *line)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Orders to the world, in words. */
+#include "core/sensors.h"
 #include "desk/world_words.h"
 #include "muster/agent.h"
 #include "suite.h"
@@ -69,8 +70,9 @@ static void test_what_is_no_order(void)
     bad("place red nan 1", "'nan': expected a number");
     bad("push red 1 1e999", "'1e999': expected a number");
     bad("pace -1", "'-1': expected times real time, or 0: as fast as it goes");
-    bad("sensor red nose off",
-        "expected NAME, then sonar, laser, camera, fiducials or all, then on or off");
+    char words[256];
+    snprintf(words, sizeof words, "expected NAME, then %s or all, then on or off", MU_SENSOR_WORDS);
+    bad("sensor red nose off", words);
     bad("reset a-name-of-32-characters-or-longer-",
         "'a-name-of-32-characters-...': no name is that long");
 }

@@ -165,7 +165,7 @@ static void test_eyes_see_what_returns_and_is_not_their_own(void)
     struct grid_eye eye = {.self = 0, .returns = SOLID_SHOWS};
     CU_ASSERT_EQUAL(grid_find(&lane, eye, from, along, 20, &hit), 3.5);
     CU_ASSERT_PTR_EQUAL(hit, &there[2]);
-    CU_ASSERT(hit->owner == 2 && hit->fiducial == 7 && hit->rgb == 0x123456);
+    CU_ASSERT(hit->owner == 2 && hit->look.fiducial == 7 && hit->look.rgb == 0x123456);
     eye.self = 2;
     CU_ASSERT_EQUAL(grid_find(&lane, eye, (double[]){2, 0}, along, 20, &hit), 0.5);
     CU_ASSERT_PTR_EQUAL(hit, &there[1]);

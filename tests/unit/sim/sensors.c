@@ -267,7 +267,7 @@ static struct world_camera *give_camera(struct world_robot *r, double fov_deg, u
 
 static struct solid *paint(struct solid *solid, uint32_t rgb)
 {
-    solid->rgb = rgb;
+    solid->look.rgb = rgb;
     return solid;
 }
 
@@ -353,7 +353,7 @@ static struct world_fiducial_finder *give_finder(struct world_robot *r)
 
 static struct solid *number(struct solid *solid, int32_t fiducial)
 {
-    solid->fiducial = fiducial;
+    solid->look.fiducial = fiducial;
     return solid;
 }
 
@@ -408,7 +408,7 @@ static void test_a_mark_for_finders_alone_is_read(void)
     add_box(0, 2, 0.1, 0.1); /* hides the mark behind it */
     struct solid *lifted = number(&scene->moving[scene->moving_count++], 4);
     *lifted = solid_disc(1, 1, 0.1);
-    lifted->fiducial = 4;
+    lifted->look.fiducial = 4;
     lifted->away = true; /* nobody sees what hangs in a gripper */
     struct mu_percept p = look(FIDUCIALS);
     CU_ASSERT_EQUAL_FATAL(p.fiducial_count, 2);
@@ -463,7 +463,7 @@ static void test_a_robot_does_not_see_what_it_carries(void)
     struct solid *thing = &scene->moving[scene->moving_count++];
     *thing = solid_disc(0.5, 0, 0.2);
     thing->owner = 1;
-    thing->fiducial = 5;
+    thing->look.fiducial = 5;
     start(1, 1);
     struct mu_percept p = read(0, ALL, 0);
     CU_ASSERT(p.sonar_m[0] < 1 && p.laser_m[45] < 1);

@@ -84,11 +84,10 @@ static void test_a_frame_in_thousandths(void)
     muster_Frame f = frame_make();
     begin();
     frame_json_write(&j, NULL, &f, false);
-    READS(
-        text.at,
-        "{\"step\": 12, \"time_ms\": 1200, \"wall_ms\": 600, \"digest\": \"0000000000000abc\", "
+    has("{\"step\": 12, \"time_ms\": 1200, \"wall_ms\": 600, \"digest\": \"0000000000000abc\", "
         "\"robots\": [[1235, -500, 3142, 300, 0, 250, 0, 1], [0, 0, 0, 0, 0, 0, 0, 26]], "
-        "\"objects\": [], \"lists\": {\"sonar\": [], \"laser\": []}, \"fired\": [], \"mails\": [], "
+        "\"objects\": [], \"lists\": {\"sonar\": [], \"laser\": []");
+    has("}, \"fired\": [], \"mails\": [], "
         "\"goals\": [], \"orders\": []}\n");
 }
 
@@ -253,16 +252,15 @@ static void test_a_scene(void)
     scene.robots = (dds_sequence_muster_Figure){._length = 1, ._buffer = &robot};
     begin();
     scene_json_write(&text, &scene);
-    READS(text.at,
-          "{\"world\": \"a \\\"world\\\"\", \"seed\": 3, \"step_ms\": 100, "
-          "\"sensors\": [\"sonar\", \"laser\", \"camera\", \"fiducials\"], "
-          "\"bounds\": [-1, 0, 1, 2], "
-          "\"walls\": [{\"rgb\": \"#ff8000\", \"corners\": [0, 0, 1, 0, 1, 1]}], "
-          "\"robots\": [{\"name\": \"</title>\", \"color\": \"red;}\", "
-          "\"identity\": {\"light\": \"#0c0415\", \"dark\": \"#ffd2d7\", \"pattern\": 0}, "
-          "\"shape\": {\"rgb\": \"#000000\", \"radius\": 0.25, \"corners\": [0, 0]}, "
-          "\"start\": [0, 0, 0], \"controlled\": true, "
-          "\"sonars\": [[0.1, 0, 3.1416, 0.5, 5, 1]], \"lasers\": []}], \"objects\": []}\n");
+    has("{\"world\": \"a \\\"world\\\"\", \"seed\": 3, \"step_ms\": 100, "
+        "\"sensors\": [\"sonar\", \"laser\", \"camera\", \"fiducials\"");
+    has("], \"bounds\": [-1, 0, 1, 2], "
+        "\"walls\": [{\"rgb\": \"#ff8000\", \"corners\": [0, 0, 1, 0, 1, 1]}], "
+        "\"robots\": [{\"name\": \"</title>\", \"color\": \"red;}\", "
+        "\"identity\": {\"light\": \"#0c0415\", \"dark\": \"#ffd2d7\", \"pattern\": 0}, "
+        "\"shape\": {\"rgb\": \"#000000\", \"radius\": 0.25, \"corners\": [0, 0]}, "
+        "\"start\": [0, 0, 0], \"controlled\": true, "
+        "\"sonars\": [[0.1, 0, 3.1416, 0.5, 5, 1]], \"lasers\": []}], \"objects\": []}\n");
 }
 
 static void test_a_run(void)
