@@ -27,6 +27,7 @@ FLOORS = {
     "mind/load": "load.h",
     "mind/snapshot": "snapshot.h",
     "mind": "mind.h",
+    "agent/states": "states.h",
     "agent": "robot.h",
     "host": None,
     "monitor": None,

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file aside.h
- * Lines that end the life of whoever carries them out.  The broker hands a line that was not
- * acknowledged to the next life, which would end of it, too, and so would the next.  After two it
- * is set aside: answered, listed, and not carried out.
+ * Lines that end the life of the agent that carries them out.
  *
- * Of an agent that has a folder for checkpoints NAME.lines has the line at hand, and those that
- * have ended a life, for the next one to read.
+ * The broker hands a line that was not acknowledged to the next life.  That life would end of it,
+ * too, and so would the next.  After two lives the line is set aside: answered, listed, not carried
+ * out.
+ *
+ * An agent with a folder for checkpoints has a file NAME.lines there.  It holds the line at hand,
+ * and the lines that have ended a life, for the next life to read.
  */
 #ifndef MUSTER_AGENT_ASIDE_H
 #define MUSTER_AGENT_ASIDE_H
@@ -34,13 +36,13 @@ struct asides {
     struct aside_line lines[ASIDE_LINES];
 };
 
-/** Takes up what the life before has left; of one that begins anew it goes. */
+/** Reads the file of the life before; an agent that begins anew loses that file. */
 void aside_open(struct robot *r, bool returns);
 
-/** A line is about to be carried out.  @return false: it is set aside */
+/** Notes a line that is about to be carried out.  @return false: it is set aside */
 MU_MUST_USE bool aside_begin(struct robot *r, const struct mu_mail *mail);
 
-/** It was. */
+/** Notes that the line was carried out. */
 void aside_end(struct robot *r);
 
 /** @return the index-th line that is set aside, as it begins; NULL past the last */

@@ -33,7 +33,7 @@ void checkpoint_reserve(struct group_process *g)
 
 /* --- writing ---------------------------------------------------------------------------------- */
 
-/* In lock step the clock is the run's. */
+/* In lock step, time is the run's. */
 static uint64_t clock_ns(const struct robot *r)
 {
     return mu_process_in_lockstep(r->group->process) ? r->time_ns : mu_clock_ns();
@@ -100,7 +100,7 @@ static void head_add(struct mu_text *out, const struct robot *r)
     answer_add(out, r->agent);
 }
 
-/* Writes an agent down, and its file.  @return NULL, or why that cannot be */
+/* Writes an agent and its file.  @return NULL, or why that failed */
 static const char *agent_save(struct robot *r, enum mu_state state, struct mu_fault *fault)
 {
     struct checkpoints *k = &r->group->checkpoints;
@@ -118,7 +118,7 @@ static const char *agent_save(struct robot *r, enum mu_state state, struct mu_fa
     return why || file_write(k, r->name) ? why : strerror(errno);
 }
 
-/* It is here again. */
+/* Removes the mark of an agent that is here again. */
 static void mark_remove(const struct checkpoints *k, const char *name)
 {
     char path[PATH_MAX];
@@ -158,7 +158,7 @@ static void mark_write(const struct checkpoints *k, const char *name)
     }
 }
 
-/* It is not here any more, and is not to come back here. */
+/* Removes the file of an agent that is not to come back here. */
 static void file_forget(const struct checkpoints *k, const char *name)
 {
     char path[PATH_MAX];
@@ -166,10 +166,11 @@ static void file_forget(const struct checkpoints *k, const char *name)
     (void)unlink(path);
 }
 
-/* Whoever has no name from a broker yet may be somebody else's second copy. */
+/* An agent without a name from a broker may be the second copy of another one. */
 static bool lives_here(const struct robot *r)
 {
-    return !r->out && !r->arrives && !agent_is_away(r) && mu_agent_passage(r->agent).broker != 0;
+    return robot_state_lives(r->state) && !agent_is_away(r) &&
+           mu_agent_passage(r->agent).broker != 0;
 }
 
 static bool is_due(const struct robot *r, const struct saved *s)
@@ -186,7 +187,7 @@ void checkpoint_round(struct group_process *g)
     for (uint32_t i = 0; i < g->count && k->set->every_s > 0; i++) {
         struct robot *r = &g->robots[i];
         struct saved *s = &k->saved[i];
-        s->tried = s->tried && !r->out;
+        s->tried = s->tried && r->state != ROBOT_VACANT;
         if (lives_here(r) && is_due(r, s)) {
             (void)checkpoint_write(r, mu_agent_state(r->agent));
         }
@@ -196,13 +197,13 @@ void checkpoint_round(struct group_process *g)
 void checkpoint_leave(struct robot *r)
 {
     const struct checkpoints *k = &r->group->checkpoints;
-    if (!k->set->folder || !r->out) {
+    if (!k->set->folder || r->state != ROBOT_VACANT) {
         return;
     }
     struct saved *s = &k->saved[r - r->group->robots];
-    if (r->native) {
+    if (s->native) {
         mark_write(k, r->name);
-        r->native = false;
+        s->native = false;
     }
     if (s->name[0]) {
         file_forget(k, s->name);
@@ -214,6 +215,13 @@ void checkpoint_forget(struct group_process *g)
 {
     for (uint32_t i = 0; i < g->count; i++) {
         checkpoint_leave(&g->robots[i]);
+    }
+}
+
+void checkpoint_set_native(struct robot *r, bool native)
+{
+    if (r->group->checkpoints.saved) {
+        r->group->checkpoints.saved[r - r->group->robots].native = native;
     }
 }
 
@@ -268,7 +276,7 @@ const char *checkpoint_read(struct group_process *g, const char *name, struct ch
     return read ? rest : NULL;
 }
 
-/* @return whether the file of that name is an agent's; and whose */
+/* @return whether the file is an agent's; name is that agent's then */
 static bool file_is_one(const char *file, char name[MU_NAME_MAX + 1])
 {
     size_t len = strlen(file);

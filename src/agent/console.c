@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Consoles that look at a robot: long answers in pieces, and what its rules print and what is
- * watched, for as many pieces as a console says that it has room for.
+ * Consoles that watch a robot.  They get long answers in pieces, and the lines that its rules
+ * print.
  *
- * docs/console.md has the whole of it.  Nothing here waits: what a console has no room for is
- * counted, and the next piece that it gets says how many lines it has missed.
+ * A console says how many pieces it has room for.  The rest is counted; the next piece says how
+ * many lines were lost.  Nothing here waits.  docs/console.md has the protocol.
  */
 #include "agent/robot.h"
 #include "core/log.h"
@@ -33,7 +33,8 @@ static void console_leave(struct robot *r, const char *name)
     }
 }
 
-/* --- what they see ---------------------------------------------------------------------------- */
+/* --- lines of the robot -------------------------------------------------------------------------
+ * */
 
 static uint32_t lines_count(const char *text)
 {
@@ -63,11 +64,11 @@ static bool trace_send(struct robot *r, struct console *c, const char *piece)
     return true;
 }
 
-/* Everything that its consoles have not been told of yet. */
+/* Sends all lines that the robot's consoles have not got yet. */
 static void trace_flush(struct robot *r)
 {
     struct group_process *group = r->group;
-    char *piece = group->answer; /* nobody answers just now */
+    char *piece = group->answer; /* no answer is being made */
     for (uint32_t i = 0; i < r->console_count; i++) {
         struct console *c = &r->consoles[i];
         const char *at = group->trace.at;
@@ -91,10 +92,10 @@ void console_flush(struct robot *r)
 void console_end(struct robot *r)
 {
     r->console_count = 0;
-    console_flush(r); /* to nobody */
+    console_flush(r); /* drops the lines */
 }
 
-/* At hundreds of steps a second each would be a mail, which nobody reads so fast. */
+/* At hundreds of steps a second, a mail for each step would come faster than anybody reads. */
 void console_offer(struct robot *r)
 {
     bool reads = r->group->trace.len >= ROBOT_ANSWER_MAX;
@@ -124,9 +125,10 @@ bool console_print(struct robot *r, const char *text)
     return true;
 }
 
-/* --- what they ask ---------------------------------------------------------------------------- */
+/* --- questions of consoles ----------------------------------------------------------------------
+ * */
 
-/* Sends the crew's listing in pieces, each of which says which of how many it is. */
+/* Sends the listing in pieces; each says its number and how many there are. */
 static void listing_send(struct robot *r, const struct mu_mail *asked, bool done)
 {
     struct group_process *group = r->group;
@@ -168,7 +170,7 @@ bool console_answer(struct robot *r, const struct mu_mail *asked,
                     mu_result (*ask)(struct mind *m, const char *line, struct mu_text *out))
 {
     struct mu_text *listing = &r->group->listing;
-    console_flush(r); /* what happened before comes before */
+    console_flush(r); /* earlier lines come first */
     mu_text_clear(listing);
     bool done = ask(r->mind, asked->content, listing) == MU_OK;
     listing_end(listing);
@@ -176,13 +178,13 @@ bool console_answer(struct robot *r, const struct mu_mail *asked,
     return done;
 }
 
-/* Nothing else of the robot has a part in it: no percept that waits, no console that watches. */
+/* Neither a waiting percept nor a watching console notices the probe. */
 enum glance_end console_look(void *self, const char *line, const char **text)
 {
     struct robot *r = self;
     struct mu_text *listing = &r->group->listing;
     mu_text_clear(listing);
-    mu_result looked = r->out ? MU_ABSENT : mind_glance(r->mind, line, listing);
+    mu_result looked = r->state == ROBOT_VACANT ? MU_ABSENT : mind_glance(r->mind, line, listing);
     listing_end(listing);
     *text = listing->at;
     if (looked == MU_ABSENT) {
@@ -203,7 +205,7 @@ void console_words(struct robot *r, const struct mu_mail *asked)
     (void)console_answer(r, asked, words_list);
 }
 
-/* The oldest gives way, which may be one that was killed; it is told. */
+/* Drops the oldest console, which may be a dead one, and tells it. */
 static void console_push_out(struct robot *r)
 {
     struct mu_mail mail = {.dst = r->consoles[0].name,
@@ -218,7 +220,7 @@ static void console_push_out(struct robot *r)
     memmove(r->consoles, r->consoles + 1, r->console_count * sizeof r->consoles[0]);
 }
 
-/* @return the one of that name, there already or new, and the youngest then */
+/* @return the console of that name, as the youngest one */
 static struct console *console_enter(struct robot *r, const char *name)
 {
     const struct console *earlier = console_find(r, name);

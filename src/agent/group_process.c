@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The robots of a process: who goes, and whether anybody is left. */
+/* The robots of a process: which one goes, and whether any is left. */
 #include "agent/robot.h"
 
 bool agent_is_away(const struct robot *r)
 {
-    return r->migration && r->migration->phase > MIGRATION_DEPARTS &&
+    return r->migration && r->migration->state >= MIGRATION_DEPOSITED &&
            r->migration->purpose == MIGRATION_MOVE;
 }
 
@@ -14,7 +14,7 @@ void group_process_look(struct group_process *g)
         return;
     }
     for (uint32_t i = 0; i < g->count; i++) {
-        if (!g->robots[i].out) {
+        if (g->robots[i].state != ROBOT_VACANT) {
             return;
         }
     }
@@ -24,7 +24,7 @@ void group_process_look(struct group_process *g)
 void group_process_leave(struct robot *r)
 {
     console_end(r);
-    r->out = true;
+    robot_state_enter(&r->state, ROBOT_LEAVES);
     group_process_look(r->group);
 }
 
@@ -36,6 +36,5 @@ void group_process_drop(struct robot *r)
     ports_print_rest(r);
     console_flush(r);
     mind_close(r->mind);
-    r->arrives = false;
     group_process_leave(r);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the runtime calls on a robot: one table for the process that main opens. */
+/* The functions that the runtime calls on a robot, in one table. */
 #include "agent/robot.h"
 #include "muster/memory.h"
 
@@ -19,7 +19,8 @@ static void on_arrive(void *self, mu_agent *a)
 {
     (void)a;
     struct robot *r = self;
-    if (!r->returns) { /* else it depends on whether it has missed anything */
+    if (r->state !=
+        ROBOT_RETURNED) { /* else the first step decides whether it has missed anything */
         mind_event(r->mind, MU_ON_ARRIVE);
     }
 }
@@ -30,7 +31,7 @@ static void on_clone(void *self, mu_agent *a)
     mind_event(((struct robot *)self)->mind, MU_ON_CLONE);
 }
 
-/* There is no next step: the rules fire once more, and what they send still goes out. */
+/* No step follows: the rules fire once more, and their mail still goes out. */
 static void fire_last(struct robot *r, mu_agent *a, enum mu_event event)
 {
     struct mind_act act;

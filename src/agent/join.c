@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How a robot gets into its process: it begins there, comes back, or comes from elsewhere. */
+/* A robot enters its process: it begins there, comes back, or arrives from elsewhere. */
 #include "agent/robot.h"
 #include "runtime/returns.h"
 
 #include <stdio.h>
 
-/* What the process's program does for its robots; this one is told of its own. */
+/* The handlers of the program, with this robot as their self. */
 static struct mu_handlers handlers_of(struct robot *r)
 {
     struct mu_handlers handlers = r->group->program->handlers;
@@ -23,7 +23,7 @@ static void robot_begin(struct robot *r)
 
 mu_result agent_join(struct robot *r)
 {
-    if (r->returns) {
+    if (r->state == ROBOT_RESTORED) {
         return agent_arrive(r, &r->passage, MU_ON_ARRIVE);
     }
     struct mu_handlers handlers = handlers_of(r);
@@ -45,8 +45,7 @@ mu_result agent_arrive(struct robot *r, const struct mu_passage *from, enum mu_e
     if (joined != MU_OK) {
         return joined;
     }
-    r->arrives = true;
-    r->out = false;
+    robot_state_enter(&r->state, ROBOT_ASKS);
     robot_begin(r);
     return MU_OK;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What becomes of a robot: its registration, its states, its wishes. */
+/* Registration, states, and wishes of a robot. */
 #include "agent/robot.h"
 #include "core/log.h"
 
@@ -22,15 +22,15 @@ static void pages_enter(const struct robot *r, mu_agent *a)
     }
 }
 
-/* Who has come goes on where it was interrupted; who does not get its name is not here. */
+/* An accepted robot goes on where it was interrupted; a refused one leaves. */
 static void arrive(struct robot *r, bool accepted, const char *reason)
 {
     mu_log(accepted ? MU_LOG_INFO : MU_LOG_WARNING, accepted ? "arrived" : "arrival-refused",
            "name=%s %s", r->name, reason);
     if (accepted) {
         mu_agent_set_state(r->agent, r->returns_as);
+        robot_state_enter(&r->state, ROBOT_IS_NAMED);
     }
-    r->arrives = false;
     if (r->group->on_arrived) {
         r->group->on_arrived(r, accepted, reason);
     }
@@ -39,7 +39,7 @@ static void arrive(struct robot *r, bool accepted, const char *reason)
     }
 }
 
-/* Who was here before, and has lost its name since, is out of date. */
+/* A robot that lost its name while it was away is out of date. */
 static void return_refused(struct robot *r, const char *reason)
 {
     fprintf(stderr, "muster robot: the broker refuses the name %s: %s\n", r->name, reason);
@@ -49,16 +49,15 @@ static void return_refused(struct robot *r, const char *reason)
 void lifecycle_on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
 {
     struct robot *r = self;
-    r->native = r->native && (accepted || r->arrives);
-    if (r->arrives) {
-        if (!accepted && r->returns && !r->group->host[0]) {
+    if (robot_state_arrives(r->state)) {
+        if (!accepted && r->state == ROBOT_RETURNS && !r->group->host[0]) {
             return_refused(r, reason);
         }
         arrive(r, accepted, reason);
         return;
     }
     if (accepted) {
-        r->out = false;
+        robot_state_enter(&r->state, ROBOT_IS_NAMED);
         mu_log(MU_LOG_INFO, "registered", "name=%s", mu_agent_name(a));
         pages_enter(r, a);
         return;
@@ -68,6 +67,7 @@ void lifecycle_on_registered(void *self, mu_agent *a, bool accepted, const char 
         "muster robot: the broker refuses the name %s: %s; muster lookup %s says where that is\n",
         mu_agent_name(a), reason, mu_agent_name(a));
     r->group->refused = true;
+    checkpoint_set_native(r, false); /* another agent has its name, so that no mark stays */
     group_process_leave(r);
 }
 
@@ -84,7 +84,7 @@ void lifecycle_on_return(void *self, mu_agent *a, const char *to, bool directive
                          enum mu_outcome outcome)
 {
     struct robot *r = self;
-    if (r->out || mu_agent_state(a) == MU_GONE) {
+    if (r->state == ROBOT_VACANT || mu_agent_state(a) == MU_GONE) {
         return;
     }
     if (directive && outcome == MU_MAIL_REFUSED) {
@@ -98,8 +98,9 @@ void lifecycle_on_state(void *self, mu_agent *a, enum mu_state state)
 {
     struct robot *r = self;
     percept_settle(r);
-    r->rules_left = r->arrives ? r->rules_left : 0; /* who arrives goes on where it was */
-    if (state == MU_RUNNING && !r->arrives) {
+    bool arrives = robot_state_arrives(r->state); /* it goes on where it was */
+    r->rules_left = arrives ? r->rules_left : 0;
+    if (state == MU_RUNNING && !arrives) {
         mind_forgive(r->mind);
         mind_go_on(r->mind);
     }
@@ -119,7 +120,7 @@ void lifecycle_travel(struct robot *r)
     }
 }
 
-/* At most so many rules, and then it is suspended. */
+/* Runs it for so many rules; then it is suspended.  0: for as many as it wants. */
 static void robot_run(struct robot *r, mu_agent *a, uint32_t rules)
 {
     mu_agent_set_state(a, MU_RUNNING);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What reaches a robot: mail, questions, directives. */
+/* Mail, questions and directives to a robot. */
 #include "agent/robot.h"
 #include "core/log.h"
 #include "core/name.h"
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The mind's queue is full: who wrote to this robot in person hears of it. */
+/* Tells the sender, if it wrote to this robot alone, that the mind's queue is full. */
 static void mail_refuse(struct robot *r, const struct mu_mail *refused)
 {
     if (!r->box_full) {
@@ -18,7 +18,7 @@ static void mail_refuse(struct robot *r, const struct mu_mail *refused)
                mu_agent_name(r->agent), refused->src);
         r->box_full = true;
     }
-    /* never a failure for a failure: two full boxes would write to each other for ever */
+    /* no failure for a failure: two full queues would answer each other for ever */
     if (strcmp(refused->dst, mu_agent_name(r->agent)) != 0 ||
         strcmp(refused->performative, "failure") == 0) {
         return;
@@ -34,7 +34,7 @@ static void mail_refuse(struct robot *r, const struct mu_mail *refused)
     }
 }
 
-/* Numbers of a box go on from one life of a broker to the next; rules count from 1. */
+/* Makes a mail for the mind.  Its rules count from 1; a box counts across lives of a broker. */
 static struct mind_mail letter_of(const struct mu_mail *mail, uint64_t id)
 {
     return (struct mind_mail){.id = id,
@@ -49,7 +49,7 @@ static struct mind_mail letter_of(const struct mu_mail *mail, uint64_t id)
                               .layer = mail->layer};
 }
 
-/* What rules have said of a layer comes before what a robot does by itself. */
+/* Rules that claim a layer come before the robot's own behaviour. */
 enum mu_take mail_take_by_rules(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
@@ -63,7 +63,7 @@ enum mu_take mail_take_by_rules(void *self, mu_agent *a, const struct mu_mail *m
     return mind_handle(r->mind, &letter) ? MU_TAKEN : MU_PASS;
 }
 
-/* What no kind takes: layers 1 to 3 have asked the rules already, higher ones have not. */
+/* Takes mail that no kind took.  Rules were asked for layers 1 to 3, but not for higher ones. */
 void mail_on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     struct robot *r = self;
@@ -82,7 +82,7 @@ void mail_on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
     }
 }
 
-/* Answers who asked, with the output of a line as one CLIPS string. */
+/* Answers the sender with the output of a line, as one CLIPS string. */
 static void line_answer(struct robot *r, const struct mu_mail *asked, bool done)
 {
     struct mu_text quoted;
@@ -100,7 +100,7 @@ static void line_answer(struct robot *r, const struct mu_mail *asked, bool done)
     }
 }
 
-/* What this robot knows, for whoever asks: all facts, or those of the relation that is named. */
+/* Answers with all facts, or those of the relation that the content names. */
 enum mu_take mail_take_facts(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
@@ -113,7 +113,7 @@ enum mu_take mail_take_facts(void *self, mu_agent *a, const struct mu_mail *mail
     return MU_TAKEN;
 }
 
-/* In the place of mind_line. */
+/* Stands for mind_line when a line is set aside. */
 static mu_result line_set_aside(struct mind *m, const char *line, struct mu_text *out)
 {
     (void)m;
@@ -147,7 +147,7 @@ static void directive_do(struct robot *r, mu_agent *a, const struct mu_mail *mai
     lifecycle_travel(r);
 }
 
-/* In any state, and whatever its rules do in the step. */
+/* Answers in any state, whatever the rules do in the step. */
 enum mu_take mail_take_question(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     struct robot *r = self;
@@ -164,7 +164,7 @@ enum mu_take mail_take_question(void *self, mu_agent *a, const struct mu_mail *m
     return MU_TAKEN;
 }
 
-/* Whose content is one or two names. */
+/* Reads a content of one or two names. */
 static bool names_read(const char *content, char first[MU_NAME_MAX + 1],
                        char second[MU_NAME_MAX + 1])
 {
@@ -176,7 +176,7 @@ static bool names_read(const char *content, char first[MU_NAME_MAX + 1],
            mu_text_copy(second, MU_NAME_MAX + 1, words[1]);
 }
 
-/* The answer comes when the trip is over. */
+/* Begins a migration, which answers at its end. */
 static void travel_begin(struct robot *r, const struct mind_travel *travel, bool good,
                          const struct mu_mail *mail)
 {
@@ -208,7 +208,7 @@ static void directive_clone(struct robot *r, mu_agent *a, const struct mu_mail *
     travel_begin(r, &travel, good, mail);
 }
 
-/* The same as requests: a robot grants them, unless its rules have said of layer 1 what they do. */
+/* The same as requests: a robot grants them, unless its rules claim layer 1. */
 enum mu_take mail_take_dispatch(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     directive_move(self, a, mail);
@@ -221,7 +221,7 @@ enum mu_take mail_take_clone(void *self, mu_agent *a, const struct mu_mail *mail
     return MU_TAKEN;
 }
 
-/* N rules, in as many control steps as that takes. */
+/* Fires N rules, in as many control steps as that takes. */
 static void directive_step(struct robot *r, mu_agent *a, const struct mu_mail *mail)
 {
     char *end;

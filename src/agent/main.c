@@ -49,7 +49,7 @@ static mu_result robots_join(struct group_process *g)
                                          .with_body = true};
     MU_TRY(mu_process_open(&g->process, &options));
     for (uint32_t i = 0; i < g->count; i++) {
-        if (!g->robots[i].out) {
+        if (g->robots[i].state != ROBOT_VACANT) {
             MU_TRY(agent_join(&g->robots[i]));
         }
     }
@@ -60,7 +60,7 @@ static bool group_is_empty(const struct group_process *g)
 {
     bool empty = true;
     for (uint32_t i = 0; i < g->count; i++) {
-        empty = empty && g->robots[i].out;
+        empty = empty && g->robots[i].state == ROBOT_VACANT;
     }
     return empty;
 }

@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* So long the broker may take for what was sent; the host for its word; the pages to show it. */
+/* Limits for the broker's receipts, for the host's word, and for the white pages. */
 static const uint64_t SETTLE_NS = 5000000000;
 
 static const uint64_t ANSWER_NS = 10000000000;
@@ -28,7 +28,7 @@ void migration_reserve(struct group_process *g)
     }
 }
 
-/* @return a trip that nobody is on, or NULL */
+/* @return a free migration, or NULL */
 static struct migration *migration_find_free(struct group_process *g)
 {
     for (uint32_t i = 0; i < g->migrations_max; i++) {
@@ -39,17 +39,18 @@ static struct migration *migration_find_free(struct group_process *g)
     return NULL;
 }
 
-/* While one of them waits for its host's word, the process waits for no step. */
+/* Tells the runtime whether one waits for its host: then the process waits for no step. */
 static void under_way_tell(struct group_process *g)
 {
     bool any = false;
     for (uint32_t i = 0; i < g->migrations_max; i++) {
-        any = any || g->migrations[i].phase >= MIGRATION_KEPT;
+        any = any || g->migrations[i].state >= MIGRATION_KEPT;
     }
     trips_set_under_way(g->process, any);
 }
 
-/* --- who speaks ------------------------------------------------------------------------------- */
+/* --- the envoy ----------------------------------------------------------------------------------
+ * */
 
 static void envoy_on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 {
@@ -57,8 +58,8 @@ static void envoy_on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
     (void)migration_take_answer(self, mail);
 }
 
-/* Who is on its way takes no mail, so that another one speaks for it: the host, where there is one,
- * else an agent of the process's own.  @return NULL: there is no room for it */
+/* An agent on its way takes no mail, so that an envoy speaks for it: the host, or an agent of the
+ * process.  @return NULL: there is no room for one */
 static mu_agent *envoy(struct group_process *g)
 {
     char name[MU_NAME_MAX + 1];
@@ -76,9 +77,8 @@ static mu_agent *envoy(struct group_process *g)
     return g->envoy;
 }
 
-/* Tells whoever asked what became of it; a trip without an asker: nobody.  In lock step no envoy
- * comes, and an agent without a host speaks for itself when nothing comes of it; else the host does
- * to which it, or its copy, has come. */
+/* Tells the asker, if there is one, how the migration ended.  In lock step no envoy joins: a
+ * success is told by the target host, a failure by the agent itself if it has no host. */
 static void migration_tell(const struct migration *t, struct robot *r, bool done, const char *text)
 {
     struct group_process *g = r->group;
@@ -96,6 +96,11 @@ static void migration_tell(const struct migration *t, struct robot *r, bool done
     }
 }
 
+static void enter(struct migration *t, enum migration_event event)
+{
+    migration_state_enter(&t->state, t->purpose, event);
+}
+
 /* --- how it ends ------------------------------------------------------------------------------ */
 
 static const char *verb_of(const struct migration *t)
@@ -103,10 +108,12 @@ static const char *verb_of(const struct migration *t)
     return t->purpose == MIGRATION_MOVE ? "moveTo" : "clone";
 }
 
-static void migration_end(struct migration *t, bool done, const char *text)
+static void migration_end(struct migration *t, enum migration_event event, bool done,
+                          const char *text)
 {
     struct robot *r = t->robot;
-    t->phase = MIGRATION_NONE;
+    enter(t, event);
+    MU_ASSERT(t->state == MIGRATION_STAYS);
     t->robot = NULL;
     r->migration = NULL;
     under_way_tell(r->group);
@@ -115,8 +122,8 @@ static void migration_end(struct migration *t, bool done, const char *text)
     migration_tell(t, r, done, text);
 }
 
-/* Nothing has happened: the agent goes on here, and its rules hear why. */
-static void migration_fail(struct migration *t, const char *reason)
+/* The agent goes on here, and its rules hear why. */
+static void migration_fail(struct migration *t, enum migration_event event, const char *reason)
 {
     struct robot *r = t->robot;
     char change[2 * MU_NAME_MAX], said[MU_FIELD_MAX + MU_NAME_MAX + 16];
@@ -124,14 +131,14 @@ static void migration_fail(struct migration *t, const char *reason)
              t->purpose == MIGRATION_MOVE ? t->host : t->name);
     snprintf(said, sizeof said, "%s %.63s", r->name, reason);
     mind_refused(r->mind, change, reason);
-    bool deposited = t->phase == MIGRATION_DEPOSITED && t->purpose == MIGRATION_MOVE;
-    migration_end(t, false, said);
-    if (deposited) { /* the broker's copy is one journey ahead */
+    bool deposited = t->state == MIGRATION_DEPOSITED && t->purpose == MIGRATION_MOVE;
+    migration_end(t, event, false, said);
+    if (deposited) { /* the broker's copy is one epoch ahead */
         mu_agent_set_out(r->agent);
         mu_agent_set_out(r->agent);
     }
     if (t->purpose == MIGRATION_MOVE && mu_agent_state(r->agent) == MU_MOVING) {
-        mu_agent_set_out(r->agent); /* the host may have a copy yet */
+        mu_agent_set_out(r->agent); /* the host may have a copy */
         mu_agent_set_state(r->agent, t->was);
     }
 }
@@ -166,7 +173,6 @@ static void migration_fill(struct robot *r, const struct mind_travel *w, const c
     t->was = mu_agent_state(r->agent);
     t->passage = (struct mu_passage){.epoch = 0};
     t->sent = t->piece = 0;
-    t->left = false;
     t->until_ns = mu_clock_ns() + SETTLE_NS;
     snprintf(t->id, sizeof t->id, "trip-%llx-%llu",
              (unsigned long long)(mu_clock_wall_ns() / 1000u),
@@ -177,7 +183,7 @@ static void migration_fill(struct robot *r, const struct mind_travel *w, const c
     (void)mu_text_copy(t->reply_with, sizeof t->reply_with, asked ? asked->reply_with : "");
 }
 
-/* Hands the capsule to the broker. */
+/* Gives the snapshot to the broker. */
 static mu_result snapshot_deposit(struct migration *t)
 {
     struct robot *r = t->robot;
@@ -193,7 +199,7 @@ static mu_result snapshot_deposit(struct migration *t)
     return trips_say(r->group->process, &word);
 }
 
-/* In lock step the host answers for one that has come to it. */
+/* In lock step the target host answers for an agent that has arrived. */
 static void asker_pass(const struct migration *t, struct snapshot_header *p)
 {
     if (t->reply_with[0] && mu_process_in_lockstep(t->robot->group->process)) {
@@ -204,7 +210,7 @@ static void asker_pass(const struct migration *t, struct snapshot_header *p)
 
 /* --- departure -------------------------------------------------------------------------------- */
 
-/* As it is now: for the host it is a journey ahead of what it is here. */
+/* Writes the agent as it is now; the host's copy is one epoch ahead. */
 static const char *departure_write(struct migration *t, struct mu_fault *fault)
 {
     struct robot *r = t->robot;
@@ -221,7 +227,7 @@ static const char *departure_write(struct migration *t, struct mu_fault *fault)
     return agent_write(r, &p, &t->text, fault);
 }
 
-/* Who is copied stays what it is. */
+/* Writes a copy; the agent itself stays as it is. */
 static const char *copy_write(struct migration *t, struct mu_fault *fault)
 {
     t->was = mu_agent_state(t->robot->agent);
@@ -232,7 +238,7 @@ static const char *copy_write(struct migration *t, struct mu_fault *fault)
     return agent_write(t->robot, &p, &t->text, fault);
 }
 
-/* One answer to a step takes a few large capsules along; the others set out with the next. */
+/* One answer to a step carries a few large snapshots; the rest go with the next. */
 static void deposit(struct migration *t, const char *objection)
 {
     size_t waiting = trips_bytes(t->robot->group->process);
@@ -240,53 +246,58 @@ static void deposit(struct migration *t, const char *objection)
         return;
     }
     if (objection || snapshot_deposit(t) != MU_OK) {
-        migration_fail(t, objection ? objection : "busy");
+        migration_fail(t, MIGRATION_FAILS, objection ? objection : "busy");
         return;
     }
-    t->phase = MIGRATION_DEPOSITED;
+    enter(t, MIGRATION_DEPOSITS);
 }
 
 static void depart(struct migration *t)
 {
     struct mu_fault fault;
-    if (!t->left) {
-        t->left = true;
+    if (t->state == MIGRATION_DEPARTS) {
+        enter(t, MIGRATION_TAKES_LEAVE);
         kind_event(t->robot->agent, MU_ON_LEAVE);
     }
     if (!trips_fits_answer(t->robot->agent)) {
-        return; /* its last words need a step more */
+        return; /* its last words need one more step */
     }
     deposit(t, departure_write(t, &fault));
 }
 
-/* It goes now, if it can. */
+/* Sets out, unless the agent has gone or its mail needs another step. */
 static void set_out(struct migration *t)
 {
-    if (t->robot->out || mu_agent_state(t->robot->agent) == MU_GONE) {
-        migration_end(t, false, "gone");
+    if (t->robot->state == ROBOT_VACANT || mu_agent_state(t->robot->agent) == MU_GONE) {
+        migration_end(t, MIGRATION_GONE, false, "gone");
     } else if (t->purpose == MIGRATION_CLONE) {
         struct mu_fault fault;
         deposit(t, copy_write(t, &fault));
-    } else if (t->left || trips_fits_answer(t->robot->agent)) {
+    } else if (t->state == MIGRATION_LAST_WORDS || trips_fits_answer(t->robot->agent)) {
         depart(t);
     }
+}
+
+static bool is_departing(const struct migration *t)
+{
+    return t->state == MIGRATION_DEPARTS || t->state == MIGRATION_LAST_WORDS;
 }
 
 void migration_step_end(struct group_process *g)
 {
     for (uint32_t i = 0; i < g->migrations_max; i++) {
-        if (g->migrations[i].phase == MIGRATION_DEPARTS) {
+        if (is_departing(&g->migrations[i])) {
             set_out(&g->migrations[i]);
         }
     }
 }
 
-/* Its capsule is on its way to the broker: it stands still. */
+/* The snapshot is on its way to the broker, so that the agent stands still. */
 static void stand_still(struct migration *t)
 {
     mu_agent_set_out(t->robot->agent);
     mu_agent_set_state(t->robot->agent, MU_MOVING);
-    t->phase = MIGRATION_KEPT;
+    enter(t, MIGRATION_STANDS_STILL);
     t->until_ns = mu_clock_ns() + ANSWER_NS;
     under_way_tell(t->robot->group);
 }
@@ -295,13 +306,13 @@ void migration_step_answered(struct group_process *g)
 {
     for (uint32_t i = 0; i < g->migrations_max && !mu_process_in_lockstep(g->process); i++) {
         struct migration *t = &g->migrations[i];
-        if (t->phase == MIGRATION_DEPOSITED && t->purpose == MIGRATION_MOVE) {
+        if (t->state == MIGRATION_DEPOSITED && t->purpose == MIGRATION_MOVE) {
             stand_still(t);
         }
     }
 }
 
-/* Where no steps come, at once; what it has said goes out before. */
+/* Sets out without waiting for a step, once all mail of the agent is out. */
 static void depart_now(struct migration *t)
 {
     struct group_process *g = t->robot->group;
@@ -309,23 +320,23 @@ static void depart_now(struct migration *t)
         return;
     }
     if (mu_clock_ns() > t->until_ns) {
-        migration_fail(t, "broker-silent");
+        migration_fail(t, MIGRATION_FAILS, "broker-silent");
     } else if (trips_all_sent(t->robot->agent)) {
         set_out(t);
         migration_step_answered(g);
     }
 }
 
-/* In lock step the host has it, or its copy, and answers for that from the next step on. */
+/* In lock step the host has the agent or its copy, and answers for it from the next step on. */
 static void departed(struct migration *t)
 {
     struct robot *r = t->robot;
     if (t->purpose == MIGRATION_CLONE) {
-        migration_end(t, true, t->name);
+        migration_end(t, MIGRATION_TAKEN, true, t->name);
         return;
     }
     mu_agent_leave(r->agent);
-    migration_end(t, true, "");
+    migration_end(t, MIGRATION_TAKEN, true, "");
     group_process_drop(r);
 }
 
@@ -333,15 +344,15 @@ static void clone_begin(struct migration *t)
 {
     struct mu_fault fault;
     const char *why = copy_write(t, &fault);
-    t->phase = MIGRATION_SENDS;
+    enter(t, MIGRATION_BEGINS_APART);
     t->until_ns = mu_clock_ns() + ANSWER_NS;
     under_way_tell(t->robot->group);
     if (why) {
-        migration_fail(t, why);
+        migration_fail(t, MIGRATION_FAILS, why);
     }
 }
 
-/* A host speaks for its agents. */
+/* Answers a directive that cannot be followed; a host speaks for its agents. */
 static void refusal_answer(struct robot *r, const struct mu_mail *asked, const char *said)
 {
     mu_agent *speaker = r->group->host[0] ? r->group->envoy : r->agent;
@@ -370,16 +381,16 @@ mu_result migration_begin(struct robot *r, const struct mind_travel *w, const st
         clone_begin(r->migration);
         return MU_OK;
     }
-    r->migration->phase = MIGRATION_DEPARTS;
+    enter(r->migration, MIGRATION_BEGINS);
     if (!mu_process_in_lockstep(g->process) && r->migration->reply_with[0]) {
-        (void)envoy(g); /* who leaves its process empty has no time for that */
+        (void)envoy(g); /* an envoy could not join any more when the process is empty */
     }
     return MU_OK;
 }
 
 /* --- the way ---------------------------------------------------------------------------------- */
 
-/* As many pieces as the outbox takes. */
+/* Sends as many pieces as the outbox takes. */
 static void pieces_send(struct migration *t)
 {
     static char content[MU_CONTENT_MAX + 1];
@@ -394,13 +405,13 @@ static void pieces_send(struct migration *t)
                                .conversation = t->id,
                                .content = content};
         if (mu_agent_send(speaker, &mail, NULL) != MU_OK) {
-            return; /* full: it goes on when the broker has answered */
+            return; /* full: the rest follows when the broker has answered */
         }
         t->sent += bytes;
         t->piece++;
     }
     if (speaker) {
-        t->phase = MIGRATION_WAITS;
+        enter(t, MIGRATION_SENT);
     }
 }
 
@@ -411,33 +422,33 @@ static bool is_there(const struct migration *t)
     return m && m->state != MU_GONE && m->state != MU_MOVING && strcmp(m->host, t->host) == 0;
 }
 
-/* The host has it; the copy here goes. */
-static void hand_over_end(struct migration *t)
+/* Drops the agent here: the host has it. */
+static void hand_over_end(struct migration *t, enum migration_event event)
 {
     struct robot *r = t->robot;
     char said[2 * MU_NAME_MAX + 16];
     snprintf(said, sizeof said, "%s at %s", r->name, t->host);
-    migration_end(t, true, said);
+    migration_end(t, event, true, said);
     group_process_drop(r);
 }
 
-/* Nobody has it: whoever the broker gives the name now is the agent. */
-static void hand_over_undo(struct migration *t)
+/* Asks for the name again: the host did not take the agent. */
+static void hand_over_undo(struct migration *t, enum migration_event event)
 {
     t->robot->returns_as = t->was;
-    t->passage.epoch++; /* the host's copy is out of date, if it comes back */
+    t->passage.epoch++; /* a late copy of the host is out of date then */
     if (agent_arrive(t->robot, &t->passage, MU_ON_ARRIVE) != MU_OK) {
         group_process_drop(t->robot);
     }
-    migration_end(t, false, "the host has gone");
+    migration_end(t, event, false, "the host has gone");
 }
 
 static void hand_over(struct migration *t)
 {
     if (is_there(t)) {
-        hand_over_end(t);
+        hand_over_end(t, MIGRATION_SHOWN);
     } else if (mu_clock_ns() > t->until_ns) {
-        hand_over_undo(t);
+        hand_over_undo(t, MIGRATION_FAILS);
     }
 }
 
@@ -445,40 +456,41 @@ static void answer_await(struct migration *t)
 {
     const struct mu_member *m = mu_process_lookup(t->robot->group->process, t->host);
     if (!m || m->state == MU_GONE) {
-        migration_fail(t, "host-absent");
+        migration_fail(t, MIGRATION_FAILS, "host-absent");
     } else if (mu_clock_ns() > t->until_ns) {
-        migration_fail(t, "host-silent");
+        migration_fail(t, MIGRATION_FAILS, "host-silent");
     }
 }
 
-/* Lets the name go, when nobody has anything more to say to the agent here. */
+/* Releases the name when all that was sent has an answer. */
 static void yield(struct migration *t)
 {
     if (mu_agent_is_settled(t->robot->agent)) {
-        t->phase = MIGRATION_HANDS_OVER;
+        enter(t, MIGRATION_SETTLED);
         t->until_ns = mu_clock_ns() + NAME_NS;
         mu_agent_leave(t->robot->agent);
     } else if (mu_clock_ns() > t->until_ns) {
-        migration_fail(t, "broker-silent");
+        migration_fail(t, MIGRATION_FAILS, "broker-silent");
     }
 }
 
-/* The host has made its copy and asked for the name: it is let go. */
-static void answer_yes(struct migration *t)
+/* The host has made its own agent and asks for the name. */
+static void yield_begin(struct migration *t, enum migration_event event)
 {
-    char said[2 * MU_NAME_MAX + 16];
-    if (t->purpose == MIGRATION_CLONE) {
-        snprintf(said, sizeof said, "%s at %s", t->name, t->host);
-        migration_end(t, true, said);
-        return;
-    }
-    t->phase = MIGRATION_YIELDS;
+    enter(t, event);
     t->until_ns = mu_clock_ns() + SETTLE_NS;
     yield(t);
 }
 
-/* Pieces for one host go out one agent after the other, and the time for its word counts from
- * then.  @return whether those of another one do */
+static void copy_end(struct migration *t)
+{
+    char said[2 * MU_NAME_MAX + 16];
+    snprintf(said, sizeof said, "%s at %s", t->name, t->host);
+    migration_end(t, MIGRATION_AGREED, true, said);
+}
+
+/* Pieces go to a host for one agent after the other.  The time for its word begins with the first
+ * one.  @return whether another agent's pieces are going there */
 static bool waits_for_another(const struct migration *t)
 {
     const struct group_process *g = t->robot->group;
@@ -486,55 +498,41 @@ static bool waits_for_another(const struct migration *t)
     for (uint32_t i = 0; i < g->migrations_max && t->sent == 0; i++) {
         const struct migration *other = &g->migrations[i];
         bool sends =
-            other->phase == MIGRATION_WAITS || (other->phase == MIGRATION_SENDS && other->sent > 0);
+            other->state == MIGRATION_WAITS || (other->state == MIGRATION_SENDS && other->sent > 0);
         waits = waits || (other != t && sends && strcmp(other->host, t->host) == 0);
     }
     return waits;
 }
 
-static void migration_go_on(struct migration *t)
+static void send_on(struct migration *t)
 {
-    switch (t->phase) {
-    case MIGRATION_NONE:
-    case MIGRATION_DEPOSITED: return;
-    case MIGRATION_DEPARTS: depart_now(t); return;
-    case MIGRATION_SENDS:
-        if (waits_for_another(t)) {
-            t->until_ns = mu_clock_ns() + ANSWER_NS;
-        } else {
-            pieces_send(t);
-        }
-        answer_await(t);
-        return;
-    case MIGRATION_KEPT:
-    case MIGRATION_WAITS: answer_await(t); return;
-    case MIGRATION_YIELDS: yield(t); return;
-    case MIGRATION_HANDS_OVER: hand_over(t); return;
+    if (waits_for_another(t)) {
+        t->until_ns = mu_clock_ns() + ANSWER_NS;
+    } else {
+        pieces_send(t);
     }
+    answer_await(t);
 }
 
 void migration_round(struct group_process *g)
 {
+    static void (*const go_on[MIGRATION_STATES])(struct migration * t) = {
+        [MIGRATION_DEPARTS] = depart_now,  [MIGRATION_LAST_WORDS] = depart_now,
+        [MIGRATION_KEPT] = answer_await,   [MIGRATION_SENDS] = send_on,
+        [MIGRATION_WAITS] = answer_await,  [MIGRATION_YIELDS] = yield,
+        [MIGRATION_HANDS_OVER] = hand_over};
     for (uint32_t i = 0; i < g->migrations_max; i++) {
-        migration_go_on(&g->migrations[i]);
+        struct migration *t = &g->migrations[i];
+        if (go_on[t->state]) {
+            go_on[t->state](t);
+        }
     }
 }
 
-/* The host refuses, or is no more.  Who has let go takes the agent back. */
-static void refused(struct migration *t, const char *reason)
-{
-    if (t->phase == MIGRATION_HANDS_OVER) {
-        hand_over_undo(t);
-    } else if (t->phase == MIGRATION_DEPOSITED || t->phase == MIGRATION_KEPT ||
-               t->phase == MIGRATION_YIELDS) {
-        migration_fail(t, reason);
-    }
-}
-
-/* What is said of an earlier journey of the same agent is not. */
+/* Words about an earlier migration of the same agent have another epoch. */
 static bool migration_is_meant(const struct migration *t, const muster_Trip *word)
 {
-    if (t->phase == MIGRATION_NONE || t->passage.epoch != word->epoch) {
+    if (t->state == MIGRATION_STAYS || t->passage.epoch != word->epoch) {
         return false;
     }
     bool moves = t->purpose == MIGRATION_MOVE;
@@ -542,19 +540,59 @@ static bool migration_is_meant(const struct migration *t, const muster_Trip *wor
            strcmp(word->asker, moves ? "" : t->robot->name) == 0;
 }
 
+/* Takes the agent back if its name was released; else it stays. */
+static void refused(struct migration *t, const muster_Trip *word)
+{
+    if (t->state == MIGRATION_HANDS_OVER) {
+        hand_over_undo(t, MIGRATION_REFUSED);
+    } else {
+        migration_fail(t, MIGRATION_REFUSED, word->reason);
+    }
+}
+
+static void taken(struct migration *t, const muster_Trip *word)
+{
+    (void)word;
+    if (t->state == MIGRATION_HANDS_OVER) {
+        hand_over_end(t, MIGRATION_TAKEN);
+    } else {
+        departed(t);
+    }
+}
+
+static void ready(struct migration *t, const muster_Trip *word)
+{
+    (void)word;
+    yield_begin(t, MIGRATION_READY);
+}
+
+static void stored(struct migration *t, const muster_Trip *word)
+{
+    (void)word;
+    enter(t, MIGRATION_STORED);
+}
+
+/* A word that the state does not have, such as a repeated one, is counted and changes nothing. */
 static void word_take(struct migration *t, const muster_Trip *word)
 {
-    if (word->word == muster_TRIP_REFUSED) {
-        refused(t, word->reason);
-    } else if (word->word == muster_TRIP_TAKEN && t->phase == MIGRATION_DEPOSITED) {
-        departed(t);
-    } else if (word->word == muster_TRIP_TAKEN && t->phase == MIGRATION_HANDS_OVER) {
-        hand_over_end(t);
-    } else if (word->word == muster_TRIP_READY && t->phase == MIGRATION_KEPT) {
-        answer_yes(t);
-    } else if (word->word == muster_TRIP_STORED && t->phase == MIGRATION_KEPT) {
-        t->phase = MIGRATION_SENDS;
+    static const struct {
+        muster_TripWord word;
+        enum migration_event event;
+        void (*take)(struct migration *t, const muster_Trip *word);
+    } words[] = {{muster_TRIP_REFUSED, MIGRATION_REFUSED, refused},
+                 {muster_TRIP_TAKEN, MIGRATION_TAKEN, taken},
+                 {muster_TRIP_READY, MIGRATION_READY, ready},
+                 {muster_TRIP_STORED, MIGRATION_STORED, stored}};
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        if (words[i].word == word->word &&
+            migration_state_has(t->state, t->purpose, words[i].event)) {
+            words[i].take(t, word);
+            return;
+        }
     }
+    struct group_process *g = t->robot->group;
+    mu_log(MU_LOG_INFO, "trip-unexpected", "name=%s word=%d state=%d words=%llu", word->agent,
+           (int)word->word, (int)t->state, (unsigned long long)++g->migrations_unexpected);
 }
 
 void migration_hear(struct group_process *g, const muster_Trip *word)
@@ -572,14 +610,17 @@ bool migration_take_answer(struct group_process *g, const struct mu_mail *mail)
     struct migration *t = NULL;
     for (uint32_t i = 0; i < g->migrations_max && !t; i++) {
         struct migration *at = &g->migrations[i];
-        bool ours = at->phase == MIGRATION_WAITS && strcmp(mail->in_reply_to, at->id) == 0 &&
+        bool ours = at->state == MIGRATION_WAITS && strcmp(mail->in_reply_to, at->id) == 0 &&
                     strcmp(mail->src, at->host) == 0;
         t = ours ? at : NULL;
     }
-    if (t && strcmp(mail->performative, "agree") == 0) {
-        answer_yes(t);
+    bool agrees = strcmp(mail->performative, "agree") == 0;
+    if (t && !agrees) {
+        migration_fail(t, MIGRATION_DECLINED, mail->content);
+    } else if (t && t->purpose == MIGRATION_CLONE) {
+        copy_end(t);
     } else if (t) {
-        migration_fail(t, mail->content);
+        yield_begin(t, MIGRATION_AGREED);
     }
     return t != NULL;
 }

@@ -59,7 +59,7 @@ void options_robot(const struct robot_options *set, uint32_t index, char name[MU
     }
 }
 
-/* The last of many has the longest name. */
+/* The last robot of many has the longest name. */
 static bool names_fit(const struct robot_options *set)
 {
     int len = snprintf(NULL, 0, "%s_%lld", set->name, (long long)(set->first + set->count - 1));
@@ -98,20 +98,97 @@ static mu_result options_check(const struct robot_options *set)
 
 static struct robot_options options;
 
-static struct mu_option options_table[] = {
+/* Rows of every program that has robots. */
+static struct mu_option shared[] = {
     MU_JOIN_OPTIONS(options.network),
-    {.name = "rules",
-     .letter = 'r',
-     .kind = MU_OPTION_STRING,
-     .unit = "FILE",
-     .help = "the robot's behaviour, a CLIPS file",
-     .target = &options.rules},
     {.name = "world",
      .letter = 'w',
      .kind = MU_OPTION_STRING,
      .unit = "FILE",
      .help = "the world's file: the map for (plan x y)",
      .target = &options.world},
+    {.name = "seed",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "1",
+     .environment = "MUSTER_SEED",
+     .help = "seed of (random), together with the name",
+     .target = &options.seed},
+    {.name = "firings",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "200",
+     .help = "rules that an agent fires in one control step at most",
+     .target = &options.firings_max,
+     .min = 1,
+     .max = 1000000},
+    {.name = "failures",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "100",
+     .help = "a rule that fails so often suspends its agent; 0: none does",
+     .target = &options.failures_max,
+     .max = 1000000},
+    {.name = "mend",
+     .kind = MU_OPTION_INTEGER,
+     .unit = "N",
+     .fallback = "0",
+     .help = "make a mind that broke, for want of memory, anew of its checkpoint or its rules, so "
+             "often at most; then the robot is suspended",
+     .target = &options.mends_max,
+     .max = 1000},
+    {.name = "checkpoint",
+     .kind = MU_OPTION_REAL,
+     .unit = "S",
+     .fallback = "0",
+     .help = "write each agent to the folder every S seconds, when it comes, and when its state "
+             "changes; 0: never",
+     .target = &options.checkpoints.every_s,
+     .max = 1e6},
+    {.name = "folder",
+     .kind = MU_OPTION_STRING,
+     .unit = "DIR",
+     .help = "where checkpoints are",
+     .target = &options.checkpoints.folder},
+    {.name = "restore",
+     .kind = MU_OPTION_FLAG,
+     .help = "bring back the agents that have a checkpoint there",
+     .target = &options.checkpoints.restore},
+    {.name = "diary",
+     .kind = MU_OPTION_FLAG,
+     .environment = "MUSTER_DIARY",
+     .help = "let recordings have what goes on in its mind: facts, rules, causes",
+     .target = &options.diary},
+    {.name = "verbose",
+     .letter = 'v',
+     .kind = MU_OPTION_FLAG,
+     .help = "log what happens",
+     .target = &options.verbose},
+};
+enum { SHARED = sizeof shared / sizeof shared[0], OWN_MAX = 16 };
+
+mu_result options_parse(struct mu_options *program, int argc, char **argv,
+                        const struct robot_options **out)
+{
+    static struct mu_option rows[SHARED + OWN_MAX];
+    MU_ASSERT(program->count <= OWN_MAX);
+    memcpy(rows, shared, sizeof shared);
+    memcpy(rows + SHARED, program->table, program->count * sizeof rows[0]);
+    program->table = rows;
+    program->count += SHARED;
+    mu_result parsed = mu_options_parse(program, argc, argv);
+    options.name = program->words_count == 1 ? program->words[0] : NULL;
+    *out = &options;
+    return parsed;
+}
+
+static struct mu_option own[] = {
+    {.name = "rules",
+     .letter = 'r',
+     .kind = MU_OPTION_STRING,
+     .unit = "FILE",
+     .help = "the robot's behaviour, a CLIPS file",
+     .target = &options.rules},
     {.name = "count",
      .kind = MU_OPTION_INTEGER,
      .unit = "N",
@@ -126,33 +203,6 @@ static struct mu_option options_table[] = {
      .help = "with --count: the number of the first, for one of several processes",
      .target = &options.first,
      .max = MU_ROBOTS_MAX},
-    {.name = "seed",
-     .kind = MU_OPTION_INTEGER,
-     .unit = "N",
-     .fallback = "1",
-     .environment = "MUSTER_SEED",
-     .help = "seed of (random), together with the name",
-     .target = &options.seed},
-    {.name = "firings",
-     .kind = MU_OPTION_INTEGER,
-     .unit = "N",
-     .fallback = "200",
-     .help = "rules that fire in one control step at most",
-     .target = &options.firings_max,
-     .min = 1,
-     .max = 1000000},
-    {.name = "failures",
-     .kind = MU_OPTION_INTEGER,
-     .unit = "N",
-     .fallback = "100",
-     .help = "a rule that fails so often suspends the robot; 0: none does",
-     .target = &options.failures_max,
-     .max = 1000000},
-    {.name = "diary",
-     .kind = MU_OPTION_FLAG,
-     .environment = "MUSTER_DIARY",
-     .help = "let recordings have what goes on in its mind: facts, rules, causes",
-     .target = &options.diary},
     {.name = "global",
      .kind = MU_OPTION_LIST,
      .unit = "NAME=VALUE",
@@ -168,17 +218,10 @@ static struct mu_option options_table[] = {
      .unit = "'S KEY=VALUE...'",
      .help = "offer a service, likewise, for example 'mapper role=scout'",
      .target = &options.services},
-    OPTIONS_CHECKPOINT(options.checkpoints),
-    OPTIONS_MEND(options),
     {.name = "functions",
      .kind = MU_OPTION_FLAG,
      .help = "print the functions that rules may call, and exit",
      .target = &options.functions},
-    {.name = "verbose",
-     .letter = 'v',
-     .kind = MU_OPTION_FLAG,
-     .help = "log what happens",
-     .target = &options.verbose},
 };
 
 mu_result options_read(const struct robot_options **out, int argc, char **argv)
@@ -187,13 +230,8 @@ mu_result options_read(const struct robot_options **out, int argc, char **argv)
         .program = "muster robot",
         .usage = "NAME --rules FILE [OPTION...]",
         .about = "Controls robots by CLIPS rules; they wait in standby until told to start.",
-        .table = options_table,
-        .count = sizeof options_table / sizeof options_table[0]};
-    mu_result parsed = mu_options_parse(&program, argc, argv);
-    *out = &options;
-    if (parsed != MU_OK || options.functions) {
-        return parsed;
-    }
-    options.name = program.words_count == 1 ? program.words[0] : NULL;
-    return options_check(&options);
+        .table = own,
+        .count = sizeof own / sizeof own[0]};
+    mu_result parsed = options_parse(&program, argc, argv, out);
+    return parsed != MU_OK || options.functions ? parsed : options_check(&options);
 }

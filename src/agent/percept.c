@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a robot feels, and when its mind takes it. */
+/* A robot's percept, and the sensors that its rules ask for. */
 #include "agent/robot.h"
 
 void percept_ask(mu_agent *a, const struct mind *mind)
@@ -9,13 +9,13 @@ void percept_ask(mu_agent *a, const struct mind *mind)
 
 void percept_settle(struct robot *r)
 {
-    if (!r->percept_waits) {
+    if (r->state != ROBOT_PERCEIVES) {
         return;
     }
-    r->percept_waits = false;
-    if (r->bodiless) {
-        mind_feel_nothing(r->mind, r->percept.time_ns);
-    } else {
+    robot_state_enter(&r->state, ROBOT_HAS_FELT);
+    if (r->percept.robot) {
         mind_percept(r->mind, &r->percept);
+    } else {
+        mind_feel_nothing(r->mind, r->percept.time_ns);
     }
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a mind asks of its robot. */
+/* The ports of a mind: what it can ask of its robot. */
 #include "agent/robot.h"
 #include "core/exits.h"
 #include "runtime/process.h"
@@ -104,7 +104,7 @@ static void print_flush(struct robot *r)
     r->print[r->print_len++] = '\n';
     int to = r->group->prints ? STDOUT_FILENO : STDERR_FILENO;
     ssize_t written = write(to, r->print, r->print_len);
-    (void)written; /* nobody to tell */
+    (void)written; /* a failure cannot be reported */
     r->print_len = 0;
 }
 
@@ -112,7 +112,7 @@ static void print_flush(struct robot *r)
 static void port_print(void *self, const char *text)
 {
     struct robot *r = self;
-    (void)console_print(r, text); /* beside what is printed here */
+    (void)console_print(r, text); /* consoles get a copy */
     for (const char *c = text; *c; c++) {
         if (*c != '\n' && r->print_len == ROBOT_PRINT_MAX - 1) {
             print_flush(r);
@@ -136,12 +136,12 @@ static bool port_trace(void *self, const char *text)
 static void port_work(void *self)
 {
     struct robot *r = self;
-    if (r->group->process) { /* else it loads its rules, and is not there yet */
+    if (r->group->process) { /* else it loads its rules */
         process_work(r->group->process);
     }
 }
 
-/* In lock step another one would not get stuck at the same time, so that nobody can go on. */
+/* In lock step no other process would get stuck at the same time and hold up the run. */
 static int port_stuck(void *self, unsigned ms)
 {
     const struct robot *r = self;

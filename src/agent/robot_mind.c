@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How a robot gets its mind: of its rules, of its checkpoint, and anew when it is broken; and the
- * map of the world for it. */
+/*
+ * Makes a robot's mind: of its rules, of its checkpoint, and anew when it is broken; with the map
+ * of the world.
+ */
 #include "agent/robot.h"
 #include "core/fault.h"
 #include "core/log.h"
@@ -18,7 +20,7 @@
 /* Half a Pioneer, for a robot that does not stand in the world's file. */
 static const double map_half_m = 0.19;
 
-/* That much a robot wants to have beside it. */
+/* The margin of a robot beside its body. */
 static const double map_beside_m = 0.06;
 
 mu_result robot_mind_open_map(struct group_process *g)
@@ -39,7 +41,7 @@ mu_result robot_mind_open_map(struct group_process *g)
     return MU_OK;
 }
 
-/* @return half the width of a robot and what it wants to have beside it, in metres */
+/* @return half the width of a robot, with its margin, in metres */
 static double map_half_width_m(const struct robot *r)
 {
     const struct world *world = r->group->world;
@@ -92,7 +94,7 @@ struct mind_options robot_mind_options(struct robot *r, const char *folder)
                                  .ports = ports_of(r)};
 }
 
-/* @return whether it has a mind, made of its checkpoint */
+/* @return whether the mind was made of the checkpoint */
 static bool mind_restored(struct robot *r, struct checkpoint_head *head, struct snapshot_header *p)
 {
     struct mu_fault fault;
@@ -113,16 +115,16 @@ static bool mind_restored(struct robot *r, struct checkpoint_head *head, struct 
 
 void robot_mind_take_up(struct robot *r, const struct checkpoint_head *head)
 {
-    r->returns = true;
+    robot_state_enter(&r->state, ROBOT_RECALLS);
     r->saved_step = head->step;
     r->answer = head->answer;
-    if (head->answer.text) { /* other files are read where this one was */
+    if (head->answer.text) { /* the buffer is used for other files */
         r->answer.text =
             memcpy(mu_startup_alloc(head->answer.len + 1), head->answer.text, head->answer.len);
     }
 }
 
-/* @return whether it goes on where its checkpoint ends */
+/* @return whether the robot goes on where its checkpoint ends */
 static bool mind_return(struct robot *r)
 {
     struct checkpoint_head head;
@@ -155,20 +157,20 @@ mu_result robot_mind_make(struct robot *r)
 {
     bool restore = r->group->set->checkpoints.restore;
     r->mind = mind_reserve();
-    r->native = true;
+    checkpoint_set_native(r, true);
     aside_open(r, restore);
     if (restore && mind_return(r)) {
         return MU_OK;
     }
     if (restore && checkpoint_is_gone(r->group, r->name)) {
         mu_log(MU_LOG_INFO, "gone", "name=%s", r->name);
-        r->out = true;
         return MU_OK;
     }
+    robot_state_enter(&r->state, ROBOT_BEGINS);
     return mind_make(r, r->group->rules_folder);
 }
 
-/* @return whether it has a mind again */
+/* @return whether the mind was made anew */
 static bool mind_again(struct robot *r, const char **made_of)
 {
     const struct robot_options *set = r->group->set;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What stands before the snapshot of a mind. */
+/* The header of a snapshot, and a whole agent behind it. */
 #include "agent/robot.h"
 #include "core/name.h"
 
@@ -31,7 +31,7 @@ static bool purpose_read(const char *word, enum migration_purpose *out)
     return false;
 }
 
-/* An agent goes on in one of these states. */
+/* Reads a state that an agent can go on in. */
 static bool state_read(const char *word, enum mu_state *out)
 {
     static const enum mu_state states[] = {MU_STANDBY, MU_RUNNING, MU_SUSPENDED};
@@ -44,7 +44,7 @@ static bool state_read(const char *word, enum mu_state *out)
     return false;
 }
 
-/* Who asked, and the label of the question, which ends the line.  @return false: they do not fit */
+/* Reads the asker and its label, which ends the line.  @return false: they do not fit */
 static bool asker_read(const char **text, struct snapshot_header *out)
 {
     char asker[MU_NAME_MAX + 2];

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a robot does in a control step. */
+/* A robot's control step. */
 #include "agent/robot.h"
 #include "core/log.h"
 
 #include <stdio.h>
 
-/* What it wants, and what has gone on in its mind, goes out with its answer to this step. */
+/* Adds its goal and its execution trace to the answer to this step. */
 static void mind_hand(struct robot *r, mu_agent *a)
 {
     char goal[MU_FIELD_MAX + 1];
@@ -17,56 +17,54 @@ static void mind_hand(struct robot *r, mu_agent *a)
     mu_agent_note(a, diary->at);
 }
 
-/* What it did in this step may not have gone out: that is said again.  Else the world may have gone
- * on without it. */
-static void robot_return(struct robot *r)
+/* The first step after its checkpoint.  The answer to it may not have gone out: it is sent again
+ * then.  Otherwise the world may have gone on without it.  @return whether it is sent again */
+static bool step_again(struct robot *r)
 {
-    r->returns = false;
-    r->repeats = r->step == r->saved_step && r->answer.text;
-    if (r->repeats && !answer_repeat(r->agent, &r->answer)) {
+    bool again = r->step == r->saved_step && r->answer.text;
+    if (again && !answer_repeat(r->agent, &r->answer)) {
         mu_log(MU_LOG_WARNING, "answer-damaged", "name=%s step=%lld", r->name, (long long)r->step);
-    } else if (!r->repeats && r->step != r->saved_step + 1) {
+    } else if (!again && r->step != r->saved_step + 1) {
         mind_event(r->mind, MU_ON_ARRIVE);
     }
+    return again;
 }
 
-/* A suspended mind keeps still, so that a person can look at it.  Who runs acts in this step, too.
- */
-static void step_begin(struct robot *r, mu_agent *a, const struct mu_percept *p)
+/* A suspended mind keeps still, so that a person can look at it.  A running one acts later in the
+ * step. */
+static void step_begin(struct robot *r, mu_agent *a, const struct mu_percept *p, bool has_body)
 {
     r->step = p->step;
-    r->repeats = false;
     r->time_ns = p->time_ns;
-    if (r->returns) {
-        robot_return(r);
-    }
-    console_offer(r); /* what happened to one that does not act */
+    bool again = r->state == ROBOT_RETURNED && step_again(r);
+    bool sits_out =
+        r->state == ROBOT_VACANT || mu_agent_state(a) == MU_SUSPENDED || agent_is_away(r);
+    enum robot_event event = again ? ROBOT_SAYS_AGAIN : sits_out ? ROBOT_SITS_OUT : ROBOT_FEELS;
+    console_offer(r); /* lines of a robot that does not act */
     mind_hand(r, a);
-    if (mu_agent_state(a) == MU_SUSPENDED || agent_is_away(r) || r->out || r->repeats) {
-        return;
-    }
-    r->percept = *p;
-    r->percept_waits = true;
-    if (mu_agent_state(a) != MU_RUNNING) {
-        percept_settle(r);
+    if (!robot_state_apply(&r->state, event)) {
+        r->early_steps++;
+        mu_log(MU_LOG_INFO, "step-early", "name=%s steps=%u", r->name, r->early_steps);
+    } else if (event == ROBOT_FEELS) {
+        r->percept = *p;
+        r->percept.robot = has_body ? p->robot : NULL;
+        if (mu_agent_state(a) != MU_RUNNING) {
+            percept_settle(r);
+        }
     }
 }
 
 void step_on_step(void *self, mu_agent *a, const struct mu_percept *p)
 {
-    struct robot *r = self;
-    r->bodiless = false;
-    step_begin(r, a, p);
+    step_begin(self, a, p, true);
 }
 
 void step_on_tick(void *self, mu_agent *a, const struct mu_percept *p)
 {
-    struct robot *r = self;
-    r->bodiless = true;
-    step_begin(r, a, p);
+    step_begin(self, a, p, false);
 }
 
-/* The rules do more harm than good: a person has to look at them. */
+/* Suspends it for a person to look at: its rules fail too often. */
 static void robot_give_up(struct robot *r, mu_agent *a, const char *why)
 {
     (void)r;
@@ -74,7 +72,7 @@ static void robot_give_up(struct robot *r, mu_agent *a, const char *why)
     mu_agent_suspend(a, why);
 }
 
-/* Stands before a rule, as somebody wanted; the world goes on without it. */
+/* Suspends it before a rule with a breakpoint; the world goes on. */
 static void robot_break(struct robot *r, mu_agent *a, const char *rule)
 {
     char said[MU_FIELD_MAX + 64], why[MU_FIELD_MAX + 1];
@@ -85,7 +83,7 @@ static void robot_break(struct robot *r, mu_agent *a, const char *rule)
     mu_agent_suspend(a, why);
 }
 
-/* Hands on what the rules have the body do. */
+/* Hands the rules' orders to the body. */
 static void act_hand(mu_agent *a, const struct mind_act *act)
 {
     if (act->drives && mu_agent_drive(a, act->forward_m_s, act->turn_rad_s) != MU_OK) {
@@ -102,7 +100,7 @@ void step_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
     struct robot *r = self;
     struct mind_act act;
     uint32_t left = r->rules_left;
-    if (r->repeats) {
+    if (r->state == ROBOT_REPEATS) {
         return;
     }
     percept_settle(r);
@@ -115,7 +113,7 @@ void step_on_act(void *self, mu_agent *a, const struct mu_percept *percept)
     percept_ask(a, r->mind);
     mu_agent_fired(a, act.firings, act.rules);
     if (robot_mind_mend(r)) {
-        mu_agent_fired(a, 0, ""); /* what it did is lost with it */
+        mu_agent_fired(a, 0, ""); /* its firings are lost with the mind */
     } else if (act.enough) {
         robot_give_up(r, a, act.enough);
     } else if (act.end == MIND_BREAK) {

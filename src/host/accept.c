@@ -60,7 +60,7 @@ static struct robot *place_find(struct host *h)
 {
     for (uint32_t i = 0; i < h->group.count; i++) {
         struct robot *r = &h->group.robots[i];
-        if (r->out && !r->migration) {
+        if (r->state == ROBOT_VACANT && !r->migration) {
             return r;
         }
     }
@@ -112,7 +112,7 @@ static void place_clear(struct host *h, struct robot *r)
 {
     struct mind *mind = r->mind;
     mind_close(mind);
-    *r = (struct robot){.group = &h->group, .mind = mind, .out = true, .step = -1};
+    *r = (struct robot){.group = &h->group, .mind = mind, .step = -1};
     h->waiting[r - h->group.robots].used = false;
 }
 
@@ -123,7 +123,7 @@ static void place_take(struct host *h, struct robot *r, const struct snapshot_he
     checkpoint_leave(r);
     place_clear(h, r);
     r->mails = p->mails;
-    r->native = natives_have(h, p->name);
+    checkpoint_set_native(r, natives_have(h, p->name));
     r->returns_as = p->state;
     r->rules_left = p->rules_left;
     (void)mu_text_copy(r->name, sizeof r->name, p->name);
@@ -178,7 +178,7 @@ static void host_save_first(const struct host *h, struct robot *r, const struct 
 {
     if (a->head) {
         checkpoint_own(r);
-    } else if (h->set->robots.checkpoints.every_s > 0) {
+    } else if (h->set->robots->checkpoints.every_s > 0) {
         (void)checkpoint_write(r, state);
     }
     if (a->head && a->head->step >= 0) {
@@ -191,7 +191,7 @@ static void older_drop(struct host *h, const struct snapshot_header *p)
 {
     for (uint32_t i = 0; i < h->group.count && p->purpose == MIGRATION_MOVE; i++) {
         struct robot *r = &h->group.robots[i];
-        if (r->arrives && strcmp(r->name, p->name) == 0 &&
+        if (robot_state_arrives(r->state) && strcmp(r->name, p->name) == 0 &&
             mu_agent_passage(r->agent).epoch < p->passage.epoch) {
             lifecycle_on_registered(r, r->agent, false, "out of date");
         }

@@ -72,7 +72,7 @@ static void copy_drop(struct host *h, const muster_Trip *word)
 {
     for (uint32_t i = 0; i < h->group.count; i++) {
         struct robot *r = &h->group.robots[i];
-        if (r->arrives && strcmp(r->name, word->agent) == 0 &&
+        if (robot_state_arrives(r->state) && strcmp(r->name, word->agent) == 0 &&
             mu_agent_passage(r->agent).epoch == word->epoch) {
             group_process_drop(r);
         }
@@ -188,11 +188,10 @@ struct host *host_make(const struct host_options *set)
 {
     struct host *h = mu_startup_alloc(sizeof *h);
     h->set = set;
-    agent_reserve(&h->group, &set->robots, (uint32_t)set->agents, set->robots.name);
+    agent_reserve(&h->group, set->robots, (uint32_t)set->agents, set->robots->name);
     h->waiting = mu_startup_array(h->group.count, sizeof *h->waiting);
     h->group.on_arrived = on_arrived;
     for (uint32_t i = 0; i < h->group.count; i++) {
-        h->group.robots[i].out = true;
         h->group.robots[i].mind = mind_reserve();
     }
     arrivals_reserve(h);

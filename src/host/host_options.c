@@ -8,8 +8,7 @@
 
 static struct host_options options;
 
-static struct mu_option table[] = {
-    MU_JOIN_OPTIONS(options.robots.network),
+static struct mu_option own[] = {
     {.name = "agents",
      .kind = MU_OPTION_INTEGER,
      .unit = "N",
@@ -31,8 +30,6 @@ static struct mu_option table[] = {
      .target = &options.bytes,
      .min = 1000,
      .max = 1000000},
-    OPTIONS_CHECKPOINT(options.robots.checkpoints),
-    OPTIONS_MEND(options.robots),
     {.name = "robot",
      .kind = MU_OPTION_LIST,
      .unit = "NAME=FILE",
@@ -42,44 +39,7 @@ static struct mu_option table[] = {
      .kind = MU_OPTION_LIST,
      .unit = "NAME.G=VALUE",
      .help = "set a global of such a robot, for example red.mate=blue",
-     .target = &options.robots.globals},
-    {.name = "seed",
-     .kind = MU_OPTION_INTEGER,
-     .unit = "N",
-     .fallback = "1",
-     .environment = "MUSTER_SEED",
-     .help = "seed of (random) in such robots, together with the name",
-     .target = &options.robots.seed},
-    {.name = "firings",
-     .kind = MU_OPTION_INTEGER,
-     .unit = "N",
-     .fallback = "200",
-     .help = "rules that an agent fires in one control step at most",
-     .target = &options.robots.firings_max,
-     .min = 1,
-     .max = 1000000},
-    {.name = "failures",
-     .kind = MU_OPTION_INTEGER,
-     .unit = "N",
-     .fallback = "100",
-     .help = "a rule that fails so often suspends its agent; 0: none does",
-     .target = &options.robots.failures_max,
-     .max = 1000000},
-    {.name = "world",
-     .letter = 'w',
-     .kind = MU_OPTION_STRING,
-     .unit = "FILE",
-     .help = "the world's file: the map for (plan x y)",
-     .target = &options.robots.world},
-    {.name = "diary",
-     .kind = MU_OPTION_FLAG,
-     .help = "let recordings have what goes on in its agents' minds",
-     .target = &options.robots.diary},
-    {.name = "verbose",
-     .letter = 'v',
-     .kind = MU_OPTION_FLAG,
-     .help = "log what happens",
-     .target = &options.robots.verbose},
+     .target = &options.globals},
 };
 
 mu_result host_options_read(const struct host_options **out, int argc, char **argv)
@@ -88,18 +48,18 @@ mu_result host_options_read(const struct host_options **out, int argc, char **ar
         .program = "muster host",
         .usage = "NAME [OPTION...]",
         .about = "A platform: takes in agents that are launched here, or move here.",
-        .table = table,
-        .count = sizeof table / sizeof table[0]};
+        .table = own,
+        .count = sizeof own / sizeof own[0]};
     *out = &options;
-    mu_result parsed = mu_options_parse(&program, argc, argv);
+    mu_result parsed = options_parse(&program, argc, argv, &options.robots);
     if (parsed != MU_OK) {
         return parsed;
     }
-    if (program.words_count != 1) {
+    const char *name = options.robots->name;
+    if (!name) {
         fprintf(stderr, "muster host: give it a name, for example: muster host north\n");
         return MU_FAULT_USAGE;
     }
-    const char *name = program.words[0];
     if (!mu_name_valid(name) || mu_name_reserved(name)) {
         char shown[MU_TEXT_SHOWN];
         fprintf(stderr,
@@ -108,6 +68,5 @@ mu_result host_options_read(const struct host_options **out, int argc, char **ar
                 mu_text_show(shown, name));
         return MU_FAULT_USAGE;
     }
-    options.robots.name = name;
-    return options_check_checkpoints(&options.robots.checkpoints, "muster host");
+    return options_check_checkpoints(&options.robots->checkpoints, "muster host");
 }

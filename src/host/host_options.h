@@ -9,11 +9,12 @@
 #include "agent/robot.h"
 
 struct host_options {
-    struct robot_options robots;   /* what holds for each agent; its name is the host's */
-    int64_t agents;                /* that there is room for */
-    int64_t bytes;                 /* of a capsule, at most */
-    struct mu_option_list take;    /* patterns of names; none: every name */
-    struct mu_option_list natives; /* "NAME=FILE": agents that begin here, and their rules */
+    const struct robot_options *robots; /* what holds for each agent; its name is the host's */
+    int64_t agents;                     /* that there is room for */
+    int64_t bytes;                      /* of a capsule, at most */
+    struct mu_option_list take;         /* patterns of names; none: every name */
+    struct mu_option_list natives;      /* "NAME=FILE": agents that begin here, and their rules */
+    struct mu_option_list globals;      /* of such: "NAME.G=VALUE" */
 };
 
 /**

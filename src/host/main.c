@@ -14,7 +14,7 @@
 
 static mu_result host_connect(struct host *h)
 {
-    const struct mu_network *network = &h->set->robots.network;
+    const struct mu_network *network = &h->set->robots->network;
     struct mu_process_options options = {.domain = (int)network->domain,
                                          .interface = network->interface,
                                          .peer = mu_network_peers(network),
@@ -42,7 +42,7 @@ static void orphans_ask(struct host *h)
     muster_Trip wanted = {.word = muster_TRIP_WANTED, .host = name};
     uint64_t now_ns = mu_clock_ns();
     (void)mu_text_copy(name, sizeof name, h->group.host);
-    if (h->set->robots.checkpoints.restore && now_ns - h->asked_ns > ASK_NS &&
+    if (h->set->robots->checkpoints.restore && now_ns - h->asked_ns > ASK_NS &&
         trips_say(h->group.process, &wanted) == MU_OK) {
         h->asked_ns = now_ns;
     }
@@ -77,7 +77,7 @@ int main(int argc, char **argv)
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
     }
-    mu_log_open(set->robots.name, set->robots.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
+    mu_log_open(set->robots->name, set->robots->verbose ? MU_LOG_INFO : MU_LOG_WARNING);
     struct host *h = host_make(set);
     if (!mu_path_rules(h->folder, sizeof h->folder)) {
         fprintf(stderr, "muster host: the shared rules are not found; set MUSTER_RULES to the "
@@ -96,7 +96,7 @@ int main(int argc, char **argv)
                              .on_step_end = step_end,
                              .on_answered = step_answered};
     trips_listen(h->group.process, &listener);
-    if (set->robots.checkpoints.restore && set->robots.checkpoints.folder) {
+    if (set->robots->checkpoints.restore && set->robots->checkpoints.folder) {
         mu_log(MU_LOG_INFO, "restored", "agents=%u", host_restore(h));
     }
     mu_process_each_round(h->group.process, host_round, h);

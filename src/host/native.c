@@ -27,7 +27,7 @@ static const char *native_read(const char *word, char name[MU_NAME_MAX + 1])
 /* Sets those globals that are for this robot: NAME.G=VALUE. */
 static mu_result globals_set(const struct host *h, struct robot *r)
 {
-    const struct mu_option_list *globals = &h->set->robots.globals;
+    const struct mu_option_list *globals = &h->set->globals;
     size_t len = strlen(r->name);
     mu_result set = MU_OK;
     for (size_t i = 0; i < globals->count && set == MU_OK; i++) {
@@ -68,7 +68,7 @@ bool natives_have(const struct host *h, const char *name)
 mu_result natives_begin(struct host *h)
 {
     const struct mu_option_list *natives = &h->set->natives;
-    const struct checkpoint_options *set = &h->set->robots.checkpoints;
+    const struct checkpoint_options *set = &h->set->robots->checkpoints;
     if (natives->count > h->group.count) {
         fprintf(stderr, "muster host: there is room for %u agents (--agents)\n",
                 (unsigned)h->group.count);
@@ -84,8 +84,8 @@ mu_result natives_begin(struct host *h)
             (checkpoint_is_there(&h->group, r->name) || checkpoint_is_gone(&h->group, r->name))) {
             continue; /* it comes back from there, or is not to */
         }
-        r->out = false;
-        r->native = true;
+        robot_state_enter(&r->state, ROBOT_BEGINS);
+        checkpoint_set_native(r, true);
         MU_TRY(mind_make(h, r, file));
         MU_TRY(agent_join(r));
     }

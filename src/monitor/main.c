@@ -262,7 +262,7 @@ static struct mu_option option_table[] = {
      .target = &monitor.set.verbose},
 };
 
-static mu_result options_parse(int argc, char **argv)
+static mu_result command_line_parse(int argc, char **argv)
 {
     static struct mu_options options = {
         .program = "muster monitor",
@@ -305,7 +305,8 @@ static mu_result monitor_run(void)
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
     mu_result spun = MU_OK;
-    while (spun >= 0 && !signal_came && !monitor.self->out && (!monitor.ended || monitor.stays)) {
+    while (spun >= 0 && !signal_came && monitor.self->state != ROBOT_VACANT &&
+           (!monitor.ended || monitor.stays)) {
         spun = mu_watch_spin(monitor.watch, ROUND_NS);
     }
     return spun < 0 ? spun : MU_OK;
@@ -313,7 +314,7 @@ static mu_result monitor_run(void)
 
 int main(int argc, char **argv)
 {
-    mu_result parsed = options_parse(argc, argv);
+    mu_result parsed = command_line_parse(argc, argv);
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
     }
@@ -322,6 +323,7 @@ int main(int argc, char **argv)
     agent_reserve(monitor.group, &monitor.set, 1, "");
     monitor.group->prints = true;
     monitor.self = &monitor.group->robots[0];
+    robot_state_enter(&monitor.self->state, ROBOT_BEGINS);
     (void)mu_text_copy(monitor.self->name, sizeof monitor.self->name, monitor.set.name);
     mu_result ready = monitor_think();
     ready = ready == MU_OK ? monitor_open() : ready;

@@ -21,7 +21,8 @@
 enum { PLACES = 3, REFUSALS = 100 };
 
 static mu_process process;
-static struct host_options host_set;
+static struct robot_options robots_set;
+static struct host_options host_set = {.robots = &robots_set};
 static struct host *host;
 static char bytes[MIGRATION_SNAPSHOT_MAX], why[MU_FAULT_TEXT_MAX + 1];
 static struct mu_text text;
@@ -31,8 +32,9 @@ static void host_begin_for(uint32_t places)
     memset(&process, 0, sizeof process);
     process.with_body = true;
     process_take_memory(&process, places + 1, 0);
-    host_set = (struct host_options){.agents = places, .bytes = MIGRATION_SNAPSHOT_MAX - 1};
-    host_set.robots.name = "north";
+    host_set = (struct host_options){
+        .robots = &robots_set, .agents = places, .bytes = MIGRATION_SNAPSHOT_MAX - 1};
+    robots_set.name = "north";
     host = host_make(&host_set);
     host->group.process = &process;
     (void)mu_text_copy(host->folder, sizeof host->folder, "rules");
@@ -101,7 +103,7 @@ static uint32_t places_used(void)
 {
     uint32_t used = 0;
     for (uint32_t i = 0; i < host->group.count; i++) {
-        used += !host->group.robots[i].out;
+        used += host->group.robots[i].state != ROBOT_VACANT;
     }
     return used;
 }
@@ -122,12 +124,12 @@ static void test_a_later_copy_takes_the_place_of_one_that_waits(void)
     mover_write("red", 1);
     struct robot *older = take();
     CU_ASSERT_PTR_NOT_NULL_FATAL(older);
-    CU_ASSERT_TRUE(older->arrives);
+    CU_ASSERT_TRUE(robot_state_arrives(older->state));
     mu_agent *agent = older->agent;
     mover_write("red", 2);
     struct robot *later = take();
     CU_ASSERT_PTR_NOT_NULL_FATAL(later);
-    CU_ASSERT_TRUE(later->arrives);
+    CU_ASSERT_TRUE(robot_state_arrives(later->state));
     CU_ASSERT_EQUAL(mu_agent_passage(later->agent).epoch, 2);
     CU_ASSERT_EQUAL(mu_agent_state(agent), MU_GONE);
     CU_ASSERT_EQUAL(places_used(), 1);
@@ -136,7 +138,7 @@ static void test_a_later_copy_takes_the_place_of_one_that_waits(void)
         CU_ASSERT_PTR_NULL(take());
         READS(why, "name-taken");
     }
-    CU_ASSERT_TRUE(later->arrives);
+    CU_ASSERT_TRUE(robot_state_arrives(later->state));
     CU_ASSERT_EQUAL(places_used(), 1);
 }
 
@@ -147,7 +149,7 @@ static void test_one_that_lives_here_stays(void)
     struct robot *r = take();
     CU_ASSERT_PTR_NOT_NULL_FATAL(r);
     lifecycle_on_registered(r, r->agent, true, "");
-    CU_ASSERT_FALSE(r->arrives);
+    CU_ASSERT_FALSE(robot_state_arrives(r->state));
     mover_write("red", 2);
     CU_ASSERT_PTR_NULL(take());
     CU_ASSERT_EQUAL(mu_agent_state(r->agent), MU_RUNNING);
@@ -229,11 +231,11 @@ static bool has_heard(struct robot *r, const char *fact)
     return mind_facts(r->mind, "event", &out) == MU_OK && strstr(said, fact);
 }
 
-static uint32_t trips_in(enum migration_phase phase)
+static uint32_t migrations_in(enum migration_state state)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < host->group.migrations_max; i++) {
-        count += host->group.migrations[i].robot && host->group.migrations[i].phase == phase;
+        count += host->group.migrations[i].robot && host->group.migrations[i].state == state;
     }
     return count;
 }
@@ -247,11 +249,11 @@ static void test_an_agent_makes_one_journey_at_a_time(void)
     CU_ASSERT_EQUAL(set_out(blue), MU_OK);
     CU_ASSERT_TRUE(has_heard(red, "(event refused moveTo south busy)"));
     CU_ASSERT_FALSE(has_heard(blue, "refused"));
-    CU_ASSERT_EQUAL(trips_in(MIGRATION_DEPARTS), 2);
+    CU_ASSERT_EQUAL(migrations_in(MIGRATION_DEPARTS), 2);
     migration_step_end(&host->group);
-    CU_ASSERT_EQUAL(trips_in(MIGRATION_DEPOSITED), 2);
+    CU_ASSERT_EQUAL(migrations_in(MIGRATION_DEPOSITED), 2);
     migration_step_answered(&host->group);
-    CU_ASSERT_EQUAL(trips_in(MIGRATION_KEPT), 2);
+    CU_ASSERT_EQUAL(migrations_in(MIGRATION_KEPT), 2);
     CU_ASSERT_TRUE(process.trips.under_way);
 }
 
@@ -270,14 +272,36 @@ static void test_words_reach_whom_they_are_about(void)
     migration_step_end(&host->group);
     migration_step_answered(&host->group);
     host_hear(host, &word);
-    CU_ASSERT_EQUAL(trips_in(MIGRATION_KEPT), 2);
+    CU_ASSERT_EQUAL(migrations_in(MIGRATION_KEPT), 2);
     word.epoch = 2;
     host_hear(host, &word);
-    CU_ASSERT_EQUAL(trips_in(MIGRATION_KEPT), 1);
+    CU_ASSERT_EQUAL(migrations_in(MIGRATION_KEPT), 1);
     CU_ASSERT(agent_is_away(red) && !blue->migration);
     CU_ASSERT_EQUAL(mu_agent_state(blue->agent), MU_RUNNING);
     CU_ASSERT_EQUAL(mu_agent_state(red->agent), MU_MOVING);
     CU_ASSERT_TRUE(process.trips.under_way);
+}
+
+/* A word that nobody waits for changes nothing, and is counted. */
+static void test_words_out_of_place_are_counted(void)
+{
+    team_begin(1);
+    muster_Trip word = {.word = muster_TRIP_READY, .agent = words("w_0"), .asker = words("")};
+    struct robot *red = &host->group.robots[0];
+    CU_ASSERT_EQUAL(set_out(red), MU_OK);
+    migration_step_end(&host->group);
+    word.epoch = red->migration->passage.epoch;
+    host_hear(host, &word); /* the broker has not even kept it */
+    CU_ASSERT_EQUAL(migrations_in(MIGRATION_DEPOSITED), 1);
+    migration_step_answered(&host->group);
+    word.word = muster_TRIP_TAKEN;
+    host_hear(host, &word); /* it has not let its name go */
+    CU_ASSERT_EQUAL(migrations_in(MIGRATION_KEPT), 1);
+    CU_ASSERT_EQUAL(host->group.migrations_unexpected, 2);
+    word.word = muster_TRIP_STORED;
+    host_hear(host, &word);
+    CU_ASSERT_EQUAL(migrations_in(MIGRATION_SENDS), 1);
+    CU_ASSERT_EQUAL(host->group.migrations_unexpected, 2);
 }
 
 static void test_limit_journeys(void)
@@ -290,7 +314,7 @@ static void test_limit_journeys(void)
     CU_ASSERT_EQUAL(set_out(last), MU_REFUSED);
     CU_ASSERT_TRUE(has_heard(last, "(event refused moveTo south busy)"));
     migration_step_end(&host->group);
-    CU_ASSERT_EQUAL(trips_in(MIGRATION_DEPOSITED), MU_CAPSULES_MAX);
+    CU_ASSERT_EQUAL(migrations_in(MIGRATION_DEPOSITED), MU_CAPSULES_MAX);
 }
 
 /* The second of two that do not fit goes with the next answer. */
@@ -303,10 +327,10 @@ static void test_limit_bytes_of_an_answer(void)
     CU_ASSERT_EQUAL(set_out(&host->group.robots[0]), MU_OK);
     CU_ASSERT_EQUAL(trips_say(&process, &word), MU_OK);
     migration_step_end(&host->group);
-    CU_ASSERT_EQUAL(trips_in(MIGRATION_DEPARTS), 1);
+    CU_ASSERT_EQUAL(migrations_in(MIGRATION_LAST_WORDS), 1);
     trips_sent(&process, 1);
     migration_step_end(&host->group);
-    CU_ASSERT_EQUAL(trips_in(MIGRATION_DEPOSITED), 1);
+    CU_ASSERT_EQUAL(migrations_in(MIGRATION_DEPOSITED), 1);
 }
 
 static void test_limit_words(void)
@@ -367,7 +391,7 @@ static void host_begin_with_files(void)
 {
     static const char *const natives[] = {"red=red.clp"};
     host_begin();
-    host_set.robots.checkpoints = (struct checkpoint_options){.every_s = 60, .folder = folder};
+    robots_set.checkpoints = (struct checkpoint_options){.every_s = 60, .folder = folder};
     host_set.natives = (struct mu_option_list){.count = 1};
     host_set.natives.items[0] = natives[0];
     checkpoint_reserve(&host->group);
@@ -411,7 +435,7 @@ static void test_who_comes_back_in_vain_loses_its_file(void)
     host_begin_with_files();
     CU_ASSERT_EQUAL(host_restore(host), 1);
     struct robot *r = &host->group.robots[0];
-    CU_ASSERT_TRUE_FATAL(r->arrives);
+    CU_ASSERT_TRUE_FATAL(robot_state_arrives(r->state));
     lifecycle_on_registered(r, r->agent, false, "held");
     checkpoint_forget(&host->group);
     CU_ASSERT_FALSE(is_there("ruby.capsule"));
@@ -427,6 +451,7 @@ int main(void)
         {"who is refused leaves nothing behind", test_who_is_refused_leaves_nothing_behind},
         {"an agent makes one journey at a time", test_an_agent_makes_one_journey_at_a_time},
         {"words reach whom they are about", test_words_reach_whom_they_are_about},
+        {"words out of place are counted", test_words_out_of_place_are_counted},
         {"limit: journeys", test_limit_journeys},
         {"limit: bytes of an answer", test_limit_bytes_of_an_answer},
         {"limit: words", test_limit_words},
