@@ -58,7 +58,7 @@ struct group_process {
     bool prints;             /* rules print to standard output, without the name; else to the log */
     const char *rules_folder;     /* of the shared rules */
     const char *host;             /* the host's name; "": the process is no host */
-    struct migration *migrations; /* trips_max of them, in no order */
+    struct migration *migrations; /* migrations_max of them, in no order */
     uint32_t migrations_max;
     uint64_t migrations_begun;
     uint64_t migrations_unexpected; /* words of a broker that no migration was waiting for */
