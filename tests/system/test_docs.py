@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is written is true: generated pages, commands of the README, links."""
+import ast
 import contextlib
 import os
 import re
@@ -182,6 +183,18 @@ def test_files_that_pages_name_exist():
                 count += 1
                 check(word in names, f"{page.relative_to(ROOT)}: no file {word}")
     check(count > 60, f"only {count} files looked at")
+
+
+def test_the_floors_that_are_shown_are_those_that_are_checked():
+    """In the same order, each with its public header."""
+    text = (ROOT / "tools/floors.py").read_text()
+    checked = ast.literal_eval(re.search(r"^FLOORS = (\{.*?^\})", text, re.M | re.S)[1])
+    page = (ROOT / "ARCHITECTURE.md").read_text()
+    shown = dict(re.findall(r"^\| `src/([\w/]+)` \| `?([\w.]+)`? \|", page, re.M))
+    wanted = {folder: {"*": "each"}.get(header, header) for folder, header in checked.items() if header}
+    check_equal(list(shown.items()), list(wanted.items()), "floors of ARCHITECTURE.md")
+    for folder, header in wanted.items():
+        check(header == "each" or (ROOT / "src" / folder / header).exists(), f"src/{folder}/{header}")
 
 
 def test_functions_that_pages_name_exist():
