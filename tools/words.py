@@ -7,21 +7,22 @@ Names of the wire and of headers of modules that still have a word stay.
 import re
 
 # Modules in which none of their words is left.
-CURED = set()
+CURED = {"planner", "sim", "world"}
 TEXT = re.compile(r'"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'')
 COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.S)
 NAME = re.compile(r"(?:(?:->|\.)\s*)?[A-Za-z_]\w*")
 
 
 def table(root):
-    """@return {module: {word: (term, whether comments are searched, too)}}"""
+    """@return for each row: the word's pattern, the word, the term, whether comments are searched, the folders where
+    it had its meaning, and the pattern of names that stay, or None"""
     page = (root / "docs/concepts.md").read_text().split("## Words of yesterday", 1)[1]
-    words = {}
     for row in re.findall(r"^\| (?!word |-)(.*) \|$", page, re.M):
-        word, term, where, _ = (cell.strip() for cell in (row + " ").split("|")[:4])
-        for module in where.removesuffix("(names)").split(","):
-            words.setdefault(module.strip(), {})[word] = term, not where.endswith("(names)")
-    return words
+        word, term, where, stays = (cell.strip() for cell in (row + " ").split("|")[:4])
+        folders = [folder.strip() for folder in where.removesuffix("(names)").split(",")]
+        names = re.findall(r"`([^`]+)`", stays)
+        stay = re.compile("|".join(rf"{re.escape(name)}\b" for name in names)) if names else None
+        yield pattern_of(word), word, term, not where.endswith("(names)"), folders, stay
 
 
 def without(text, pattern):
@@ -49,27 +50,26 @@ def is_given(name, names, wire):
 
 
 def hits(root, modules):
-    """@yield (path, line, word, term, module) of the files of these modules"""
-    words = table(root)
+    """@yield (path, line, word, term) of the files of these modules"""
+    rows = list(table(root))
     names, wire = given_names(root, modules)
     for module in sorted(modules):
-        patterns = [(pattern_of(word), word, *how) for word, how in words.get(module, {}).items()]
         for path in sorted((root / "src" / module).rglob("*.[ch]")):
-            for pattern, word, term, _ in patterns:
-                if pattern.search(path.stem):
-                    yield path, 1, word, term, module
-            yield from line_hits(path, patterns, names, wire, module)
+            folder = str(path.parent.relative_to(root / "src")) + "/"
+            mine = [row for row in rows if any(folder.startswith(where + "/") for where in row[4])]
+            yield from sorted(file_hits(path, mine, names, wire), key=lambda hit: hit[1:3])
 
 
-def line_hits(path, patterns, names, wire, module):
+def file_hits(path, rows, names, wire):
     text = path.read_text()
     parts = re.split(rf"({COMMENT.pattern})", text, flags=re.S)
-    comments = "".join(part if i % 2 else re.sub(r"[^\n]", " ", part) for i, part in enumerate(parts))
+    comments = "".join(part if i % 2 else re.sub(r"[^\n]", " ", part) for i, part in enumerate(parts)).splitlines()
     code = without(without(text, COMMENT), TEXT).splitlines()
-    for n, (comment, line) in enumerate(zip(comments.splitlines(), code), 1):
-        mine = " ".join(name for name in NAME.findall(line) if not is_given(name, names, wire))
-        if line.lstrip().startswith("#include"):
-            mine = ""
-        for pattern, word, term, in_comments in patterns:
-            if pattern.search(mine) or (in_comments and pattern.search(comment)):
-                yield path, n, word, term, module
+    for pattern, word, term, in_comments, _, stay in rows:
+        if pattern.search(path.stem):
+            yield path, 1, word, term
+        for n, (comment, line) in enumerate(zip(comments, code), 1):
+            own = " ".join(name for name in NAME.findall(line) if not is_given(name, names, wire))
+            said = stay.sub("", comment) if stay else comment
+            if pattern.search("" if line.lstrip().startswith("#include") else own) or (in_comments and pattern.search(said)):
+                yield path, n, word, term

@@ -19,7 +19,7 @@ def tidied(out, files, *words, built=True):
         (out / name).parent.mkdir()
         shutil.copy(ROOT / name, out / name)
     cured = out / "tools/words.py"
-    cured.write_text(re.sub(r"^CURED = .*?$", 'CURED = {"mind"}', cured.read_text(), flags=re.M))
+    cured.write_text(re.sub(r"^CURED = .*?$", 'CURED = {"mind", "sim"}', cured.read_text(), flags=re.M))
     floors = out / "tools/floors.py"
     text = re.sub(r"^UNFINISHED = .*$", "UNFINISHED = set()", floors.read_text(), flags=re.M)
     floors.write_text(re.sub(r"^CIRCLES = \{.*?^\}$", 'CIRCLES = {"core": [2]}', text, flags=re.M | re.S))
