@@ -402,9 +402,9 @@ soak-minds: ## a million random lines and damaged rule files for minds, under th
 soak-engine: $(O)/test/clips ## 1200 random programs in the program clips and in a mind, from other seeds each time
 	@set -e; for seed in {1..4}; do BUILD=$(BUILD) tests/soak/engine.py $$RANDOM; done
 
-.PHONY: soak-capsules
-soak-capsules: $(O)/test/capsules ## 1200 random programs, each cut somewhere: minds go on from their capsules, from other seeds each time
-	@set -e; for seed in {1..4}; do BUILD=$(BUILD) tests/soak/capsules.py $$RANDOM; done
+.PHONY: soak-snapshots
+soak-snapshots: $(O)/test/snapshots ## 1200 random programs, each cut somewhere: minds go on from their snapshots, from other seeds each time
+	@set -e; for seed in {1..4}; do BUILD=$(BUILD) tests/soak/snapshots.py $$RANDOM; done
 
 tidy: test-deps $(OBJECTS) ## the house rules that a compiler cannot check
 	@BUILD=$(BUILD) tools/tidy.py
@@ -420,7 +420,7 @@ $(O)/test/clips: $(O)/tests/rules/engine/embedded.o $$(call module_objs,mind)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_mind)
 
-$(O)/test/capsules: $(O)/tests/soak/capsules.o $$(call module_objs,mind)
+$(O)/test/snapshots: $(O)/tests/soak/snapshots.o $$(call module_objs,mind)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_mind)
 

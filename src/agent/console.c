@@ -184,7 +184,7 @@ enum glance_end console_look(void *self, const char *line, const char **text)
     struct robot *r = self;
     struct mu_text *listing = &r->group->listing;
     mu_text_clear(listing);
-    mu_result looked = r->state == ROBOT_VACANT ? MU_ABSENT : mind_glance(r->mind, line, listing);
+    mu_result looked = r->state == ROBOT_VACANT ? MU_ABSENT : mind_probe(r->mind, line, listing);
     listing_end(listing);
     *text = listing->at;
     if (looked == MU_ABSENT) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a person types on a console, or another agent has done by (you-do). */
-#include "core/glance.h"
+#include "core/probe.h"
 #include "mind/mind.h"
 #include "mind/snapshot/snapshot.h"
 
@@ -107,7 +107,7 @@ mu_result mind_line(struct mind *m, const char *line, struct mu_text *out)
  */
 
 /* What a call into CLIPS changes of itself. */
-struct glance_before {
+struct probe_before {
     uint64_t units, worked;
     uint32_t allocations, trace_lost;
     const char *stopped;
@@ -118,9 +118,9 @@ struct glance_before {
     unsigned long long time_tag;
 };
 
-static struct glance_before glance_begin(struct mind *m)
+static struct probe_before probe_begin(struct mind *m)
 {
-    struct glance_before before = {.units = m->cost.units,
+    struct probe_before before = {.units = m->cost.units,
                                    .worked = m->worked,
                                    .allocations = m->allocations,
                                    .stopped = m->stopped,
@@ -136,7 +136,7 @@ static struct glance_before glance_begin(struct mind *m)
     return before;
 }
 
-static void glance_end(struct mind *m, const struct glance_before *before)
+static void probe_end(struct mind *m, const struct probe_before *before)
 {
     if (before->ring_unseen) {
         fact_retract(m, m->inputs->lists[MU_CHANNEL_SONAR].facts);
@@ -157,11 +157,11 @@ static void glance_end(struct mind *m, const struct glance_before *before)
 }
 
 /* Rules may have given a word of the list another meaning.  @return whether it is the engine's */
-static bool glance_is_plain(struct mind *m, const char *line)
+static bool probe_is_plain(struct mind *m, const char *line)
 {
     char name[MU_GLANCE_LINE_MAX + 1];
     const char *word = line;
-    size_t len = mu_glance_word(line, &word);
+    size_t len = mu_probe_word(line, &word);
     if (len == 0) {
         return true;
     }
@@ -172,7 +172,7 @@ static bool glance_is_plain(struct mind *m, const char *line)
 }
 
 /* @return whether CLIPS did it */
-static bool glance_run(struct mind *m, const char *line)
+static bool probe_run(struct mind *m, const char *line)
 {
     bool done = RouteCommand(m->env, line, TRUE);
     bool failed = GetEvaluationError(m->env) || GetHaltExecution(m->env);
@@ -181,21 +181,21 @@ static bool glance_run(struct mind *m, const char *line)
     return done && !failed;
 }
 
-mu_result mind_glance(struct mind *m, const char *line, struct mu_text *out)
+mu_result mind_probe(struct mind *m, const char *line, struct mu_text *out)
 {
     char sink_bytes[1];
     struct mu_text sink;
     size_t start = out->len;
-    if (!state_has_rules(m) || !mu_glance_is(line) || !glance_is_plain(m, line)) {
+    if (!state_has_rules(m) || !mu_probe_is(line) || !probe_is_plain(m, line)) {
         return MU_ABSENT;
     }
     mu_text_init(&sink, sink_bytes, sizeof sink_bytes);
     m->out = &sink; /* who watches facts does not see the one that is shown here alone */
-    struct glance_before before = glance_begin(m);
+    struct probe_before before = probe_begin(m);
     m->out = out;
-    bool done = glance_run(m, line);
+    bool done = probe_run(m, line);
     m->out = &sink;
-    glance_end(m, &before);
+    probe_end(m, &before);
     m->out = NULL;
     syntax_as_written(out->at + start);
     out->len = start + strlen(out->at + start);

@@ -263,14 +263,14 @@ static mu_result name_set(struct mind *m, const char *was)
     return mind_set_global(m, "my-name", m->options.name);
 }
 
-mu_result mind_restore(struct mind *m, const char *capsule, size_t len, struct mu_fault *fault)
+mu_result mind_restore(struct mind *m, const char *snapshot, size_t len, struct mu_fault *fault)
 {
     char name[MU_NAME_MAX + 1];
-    MU_TRY(snapshot_check(capsule, len, fault));
+    MU_TRY(snapshot_check(snapshot, len, fault));
     if (!MIND_ENTER(m, STATE_LOAD)) {
         return mu_fault_at(fault, "capsule", 0, 0, CLIPS_BROKEN_TEXT, m->lost);
     }
-    mu_result r = snapshot_load(m, capsule, fault, name);
+    mu_result r = snapshot_load(m, snapshot, fault, name);
     (void)mind_leave(m);
     return r == MU_OK ? name_set(m, name) : r;
 }

@@ -43,7 +43,7 @@ bool mind_is_broken(const struct mind *m);
 int mind_look(unsigned ms, struct mu_text *why);
 
 /**
- * Writes a mind down as a capsule: rules, globals, facts, agenda, mail, everything that decides
+ * Writes a mind down as a snapshot: rules, globals, facts, agenda, mail, everything that decides
  * what it does next.  docs/mobility.md says what that is.  Between steps only; the mind stays as it
  * is.
  *
@@ -53,13 +53,13 @@ int mind_look(unsigned ms, struct mu_text *why);
 MU_MUST_USE mu_result mind_save(struct mind *m, struct mu_text *out, struct mu_fault *fault);
 
 /**
- * Makes a mind that was begun without rules_folder, and has loaded nothing, what a capsule says.
- * When its own name is another one than the capsule's, it is a copy with that name.
+ * Makes a mind that was begun without rules_folder, and has loaded nothing, what a snapshot says.
+ * When its own name is another one than the snapshot's, it is a copy with that name.
  *
- * @return MU_OK; MU_FAULT_FILE: the capsule is not whole, of another version, or says what does not
- *         come about; the mind is of no use then
+ * @return MU_OK; MU_FAULT_FILE: the snapshot is not whole, of another version, or says what does
+ * not come about; the mind is of no use then
  */
-MU_MUST_USE mu_result mind_restore(struct mind *m, const char *capsule, size_t len,
+MU_MUST_USE mu_result mind_restore(struct mind *m, const char *snapshot, size_t len,
                                    struct mu_fault *fault);
 
 /**
@@ -208,14 +208,14 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act);
 MU_MUST_USE mu_result mind_line(struct mind *m, const char *line, struct mu_text *out);
 
 /**
- * Answers a line that only looks (core/glance.h), from what the mind is between two steps, and
- * leaves it as it was: the same capsule, and the same run, as if nobody had looked.
+ * Answers a line that only looks (core/probe.h), from what the mind is between two steps, and
+ * leaves it as it was: the same snapshot, and the same run, as if nobody had looked.
  *
  * @param out   what it printed, or its value, or the error
  * @return MU_OK; MU_MALFORMED: CLIPS refused it; MU_ABSENT: it does not only look, or means
  *         something else to these rules, and nothing was done
  */
-MU_MUST_USE mu_result mind_glance(struct mind *m, const char *line, struct mu_text *out);
+MU_MUST_USE mu_result mind_probe(struct mind *m, const char *line, struct mu_text *out);
 
 /** What rules have failed at is forgotten: they may try again. */
 void mind_forgive(struct mind *m);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "runtime/glances.h"
 
-#include "core/glance.h"
 #include "core/name.h"
+#include "core/probe.h"
 #include "core/text.h"
 #include "runtime/process.h"
 
@@ -29,7 +29,7 @@ mu_result glances_ask(mu_agent *a, const char *agent, const char *line, uint64_t
 {
     mu_process *p = a->process;
     struct glances *g = &p->glances;
-    if (process_takes_steps(p) || !mu_glance_is(line) || !mu_name_valid(agent)) {
+    if (process_takes_steps(p) || !mu_probe_is(line) || !mu_name_valid(agent)) {
         return MU_REFUSED;
     }
     if (g->count == MU_GLANCES_EACH || !a->registered) {

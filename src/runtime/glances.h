@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file glances.h
- * Lines that only look (core/glance.h), asked and answered beside all mail: docs/lockstep.md.
+ * Lines that only look (core/probe.h), asked and answered beside all mail: docs/lockstep.md.
  *
  * An answer goes out at once, in the middle of a lock step, too.  A question goes out like mail.
  */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The agenda in a capsule.  What a mind has fired is not on its agenda any more; when its facts are
- * asserted in another mind, everything is activated again.  So each activation has a key that is
- * the same in both, and what is not in the list is taken off.
+ * The agenda in a snapshot.  What a mind has fired is not on its agenda any more; when its facts
+ * are asserted in another mind, everything is activated again.  So each activation has a key that
+ * is the same in both, and what is not in the list is taken off.
  */
 #include "core/hash.h"
 #include "mind/snapshot/fields.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Globals and facts in a capsule.  Facts keep their indices and their order, which need not be that
- * of the indices: see percept_show.
+ * Globals and facts in a snapshot.  Facts keep their indices and their order, which need not be
+ * that of the indices: see percept_show.
  */
 #include "mind/snapshot/fields.h"
 

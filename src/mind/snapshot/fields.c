@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The fields of a capsule: every value of CLIPS, exact to the last bit. */
+/* The fields of a snapshot: every value of CLIPS, exact to the last bit. */
 #include "mind/snapshot/fields.h"
 
 #include <errno.h>
@@ -115,7 +115,7 @@ static bool text_read(struct snapshot *c, char *to)
     return good;
 }
 
-/* A text may be as long as the capsule has room. */
+/* A text may be as long as the snapshot has room. */
 static bool field_text(struct snapshot *c, unsigned short type, struct field *out)
 {
     void *env = c->mind->env;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file fields.h
- * A mind as text, and back: what the files of the capsule share.
+ * A mind as text, and back: what the files of the snapshot share.
  *
- * The body of a capsule is lines: a word that says what the line is about, then numbers and fields.
- * A field bears its type: i7, f0x1.8p+1, y"symbol", s"string", n"instance", a12 (the fact of that
- * index, a-1: one that is no more).
+ * The body of a snapshot is lines: a word that says what the line is about, then numbers and
+ * fields. A field bears its type: i7, f0x1.8p+1, y"symbol", s"string", n"instance", a12 (the fact
+ * of that index, a-1: one that is no more).
  */
 #ifndef MUSTER_MIND_SNAPSHOT_FIELDS_H
 #define MUSTER_MIND_SNAPSHOT_FIELDS_H
@@ -14,7 +14,7 @@
 
 enum { SNAPSHOT_NONE = -1, SNAPSHOT_KEY_MAX = 1024 };
 
-/* A capsule that is read, from its first line to its last. */
+/* A snapshot that is read, from its first line to its last. */
 struct snapshot {
     struct mind *mind;
     const char *at;

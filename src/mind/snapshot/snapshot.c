@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A mind as text: what a capsule begins with, its rules and its switches. */
+/* A mind as text: what a snapshot begins with, its rules and its switches. */
 #include "mind/snapshot/fields.h"
 
 #include "core/hash.h"
@@ -19,7 +19,7 @@ static uint64_t snapshot_sum(const char *body, size_t len)
 
 /* --- switches --------------------------------------------------------------------------------- */
 
-/* What (set-strategy) and the like have changed, in the order of a capsule. */
+/* What (set-strategy) and the like have changed, in the order of a snapshot. */
 static const struct {
     int (*get)(void *env);
     int (*set)(void *env, int value);
@@ -261,7 +261,7 @@ mu_result snapshot_check(const char *text, size_t len, struct mu_fault *fault)
     return MU_OK;
 }
 
-/* A fresh mind has facts of its own beginning; the capsule has all that there are to be. */
+/* A fresh mind has facts of its own beginning; the snapshot has all that there are to be. */
 static void facts_drop(struct mind *m)
 {
     EnvReset(m->env); /* for CLIPS's own instance */

@@ -73,16 +73,16 @@ static void mover_write(const char *name, uint64_t epoch)
 {
     static struct mind *mind;
     struct mu_fault fault;
-    struct mu_text capsule;
+    struct mu_text snapshot;
     struct mind_options options = {.name = name,
                                    .ports = {.send = nothing_sent, .print = nothing_printed}};
     mind = mind ? mind : mind_reserve();
     mind_close(mind);
     header_write(MIGRATION_MOVE, name, epoch);
-    mu_text_init(&capsule, text.at + text.len, text.size - text.len);
+    mu_text_init(&snapshot, text.at + text.len, text.size - text.len);
     CU_ASSERT_EQUAL_FATAL(mind_begin(mind, &options, &fault), MU_OK);
-    CU_ASSERT_EQUAL_FATAL(mind_save(mind, &capsule, &fault), MU_OK);
-    text.len += capsule.len;
+    CU_ASSERT_EQUAL_FATAL(mind_save(mind, &snapshot, &fault), MU_OK);
+    text.len += snapshot.len;
 }
 
 static void launch_write(const char *name, const char *rules)
@@ -404,12 +404,12 @@ static void test_the_file_of_who_was_there_before_goes(void)
     mover_write("ruby", 1);
     struct robot *r = take();
     CU_ASSERT_PTR_NOT_NULL_FATAL(r);
-    CU_ASSERT_TRUE(is_there("ruby.capsule"));
+    CU_ASSERT_TRUE(is_there("ruby.snapshot"));
     group_process_drop(r);
     mover_write("rosa", 1); /* in the same breath, and in the same place */
     CU_ASSERT_PTR_EQUAL(take(), r);
-    CU_ASSERT_FALSE(is_there("ruby.capsule"));
-    CU_ASSERT_TRUE(is_there("rosa.capsule"));
+    CU_ASSERT_FALSE(is_there("ruby.snapshot"));
+    CU_ASSERT_TRUE(is_there("rosa.snapshot"));
 }
 
 static void test_who_began_here_and_is_refused_does_not_begin_anew(void)
@@ -419,10 +419,10 @@ static void test_who_began_here_and_is_refused_does_not_begin_anew(void)
     mover_write("red", 1);
     struct robot *r = take();
     CU_ASSERT_PTR_NOT_NULL_FATAL(r);
-    CU_ASSERT_TRUE(is_there("red.capsule"));
+    CU_ASSERT_TRUE(is_there("red.snapshot"));
     lifecycle_on_registered(r, r->agent, false, "held");
     checkpoint_forget(&host->group);
-    CU_ASSERT_FALSE(is_there("red.capsule"));
+    CU_ASSERT_FALSE(is_there("red.snapshot"));
     CU_ASSERT_TRUE(is_there("red.gone"));
 }
 
@@ -438,7 +438,7 @@ static void test_who_comes_back_in_vain_loses_its_file(void)
     CU_ASSERT_TRUE_FATAL(robot_state_arrives(r->state));
     lifecycle_on_registered(r, r->agent, false, "held");
     checkpoint_forget(&host->group);
-    CU_ASSERT_FALSE(is_there("ruby.capsule"));
+    CU_ASSERT_FALSE(is_there("ruby.snapshot"));
     CU_ASSERT_FALSE(is_there("ruby.gone"));
 }
 

@@ -324,5 +324,5 @@ int main(void)
         {"gohome reaches the corners", test_go_home},
         CU_TEST_INFO_NULL,
     };
-    return suite_run("agent/behaviour", tests);
+    return suite_run("mind/behaviour", tests);
 }

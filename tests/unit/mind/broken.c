@@ -128,7 +128,7 @@ static void test_a_broken_mind_answers_that_it_is(void)
     CU_ASSERT_EQUAL(mind_save(mind, &out, &fault), MU_REFUSED);
     CU_ASSERT_EQUAL(mind_set_global(mind, "all", "1"), MU_MALFORMED);
     CU_ASSERT_EQUAL(mind_senses(mind), 0);
-    CU_ASSERT_EQUAL(mind_glance(mind, "(facts)", &out), MU_ABSENT);
+    CU_ASSERT_EQUAL(mind_probe(mind, "(facts)", &out), MU_ABSENT);
     mind_goal(mind, goal);
     CU_ASSERT_STRING_EQUAL(goal, "");
     CU_ASSERT_FALSE(mind_looks_at(mind, "sonar"));
@@ -268,5 +268,5 @@ int main(void)
         {"a text longer than 4 GiB is too much", test_a_text_longer_than_4_GiB_is_too_much},
         CU_TEST_INFO_NULL,
     };
-    return suite_run("agent/broken", tests);
+    return suite_run("mind/broken", tests);
 }

@@ -540,5 +540,5 @@ static void test_files(void)
 int main(void)
 {
     CU_TestInfo tests[] = {{"lines", test_lines}, {"rule files", test_files}, CU_TEST_INFO_NULL};
-    return suite_run("agent: whatever comes", tests);
+    return suite_run("mind/fuzz", tests);
 }

@@ -190,5 +190,5 @@ int main(void)
         {"floats and symbols read back", test_floats_and_symbols_read_back},
         CU_TEST_INFO_NULL,
     };
-    return suite_run("agent: garbage", tests);
+    return suite_run("mind/garbage", tests);
 }

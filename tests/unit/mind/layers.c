@@ -222,5 +222,5 @@ int main(void)
         {"limit: receivers and attributes", test_limit_words},
         CU_TEST_INFO_NULL,
     };
-    return suite_run("agent/layers", tests);
+    return suite_run("mind/layers", tests);
 }

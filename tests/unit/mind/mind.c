@@ -614,5 +614,5 @@ int main(void)
         {"the same seed gives the same numbers", test_same_seed_same_numbers},
         CU_TEST_INFO_NULL,
     };
-    return suite_run("agent/mind", tests);
+    return suite_run("mind/mind", tests);
 }

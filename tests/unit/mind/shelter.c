@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SONARS = 16, ROOM_MOST = 4 << 20, CAPSULE_BYTES = 1 << 18 };
+enum { SONARS = 16, ROOM_MOST = 4 << 20, SNAPSHOT_BYTES = 1 << 18 };
 
 static const char rules[] =
     "(defglobal ?*n* = 0)\n"
@@ -30,8 +30,8 @@ static const char rules[] =
     "(defrule gone (event on-leave) => (printout t \"bye \" (more now) crlf))\n";
 
 static struct mind *mind;
-static char capsule[CAPSULE_BYTES], said[8192];
-static size_t capsule_bytes;
+static char snapshot[SNAPSHOT_BYTES], said[8192];
+static size_t snapshot_bytes;
 
 static mu_result post(void *self, const struct mind_letter *letter)
 {
@@ -138,16 +138,16 @@ static void call_save(void)
 {
     struct mu_text text;
     struct mu_fault fault;
-    mu_text_init(&text, capsule, sizeof capsule);
+    mu_text_init(&text, snapshot, sizeof snapshot);
     mu_result saved = mind_save(mind, &text, &fault);
     CU_ASSERT_EQUAL(saved, mind_is_broken(mind) ? MU_REFUSED : MU_OK);
-    capsule_bytes = text.len;
+    snapshot_bytes = text.len;
 }
 
 static void call_restore(void)
 {
     struct mu_fault fault;
-    mu_result restored = mind_restore(mind, capsule, capsule_bytes, &fault);
+    mu_result restored = mind_restore(mind, snapshot, snapshot_bytes, &fault);
     CU_ASSERT_EQUAL(restored, mind_is_broken(mind) ? MU_FAULT_FILE : MU_OK);
 }
 
@@ -269,12 +269,12 @@ int main(void)
         {"a question", test_call_answer},
         {"a line", test_call_line},
         {"rules that are loaded", test_call_load},
-        {"a capsule that is written", test_call_save},
-        {"a capsule that is read", test_call_restore},
+        {"a snapshot that is written", test_call_save},
+        {"a snapshot that is read", test_call_restore},
         {"events", test_call_events},
         {"a global", test_call_global},
         {"what is told", test_call_tell},
         CU_TEST_INFO_NULL,
     };
-    return suite_run("agent/shelter", tests);
+    return suite_run("mind/shelter", tests);
 }

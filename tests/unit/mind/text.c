@@ -124,5 +124,5 @@ int main(void)
         {"numbers and symbols read back", test_numbers_and_symbols_read_back},
         CU_TEST_INFO_NULL,
     };
-    return suite_run("agent/text", tests);
+    return suite_run("mind/text", tests);
 }

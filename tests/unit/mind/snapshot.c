@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A mind that is written down and made again goes on as the one that was not: the same rules in the
- * same order, the same mail, and at the end the same capsule.
+ * same order, the same mail, and at the end the same snapshot.
  */
 #include "core/random.h"
 #include "mind/mind.h"
@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CAPSULE_MAX = 1 << 20, LOG_MAX = 1 << 16, SONARS = 16, CUTS = 100 };
+enum { SNAPSHOT_MAX = 1 << 20, LOG_MAX = 1 << 16, SONARS = 16, CUTS = 100 };
 
 /* A mind, and what it has said and done. */
 struct soul {
@@ -24,7 +24,7 @@ struct soul {
 };
 
 static struct soul stays, goes;
-static char capsule_bytes[CAPSULE_MAX], other_bytes[CAPSULE_MAX];
+static char snapshot_bytes[SNAPSHOT_MAX], other_bytes[SNAPSHOT_MAX];
 
 static mu_result post(void *self, const struct mind_letter *letter)
 {
@@ -82,22 +82,22 @@ static mu_result save(struct soul *s, char *to, size_t *len, const char **why)
 {
     static struct mu_fault fault;
     struct mu_text out;
-    mu_text_init(&out, to, CAPSULE_MAX);
+    mu_text_init(&out, to, SNAPSHOT_MAX);
     mu_result saved = mind_save(s->mind, &out, &fault);
     *len = out.len;
     *why = saved == MU_OK ? "" : fault.text;
     return saved;
 }
 
-/* Makes `goes` what `stays` is, by way of a capsule. */
+/* Makes `goes` what `stays` is, by way of a snapshot. */
 static void move_as(const char *name)
 {
     size_t len;
     const char *why;
     struct mu_fault fault = {.text = ""};
-    CU_ASSERT_EQUAL_FATAL(save(&stays, capsule_bytes, &len, &why), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(save(&stays, snapshot_bytes, &len, &why), MU_OK);
     soul_begin(&goes, name, NULL);
-    mu_result restored = mind_restore(goes.mind, capsule_bytes, len, &fault);
+    mu_result restored = mind_restore(goes.mind, snapshot_bytes, len, &fault);
     if (restored != MU_OK) {
         mu_fault_print(&fault);
     }
@@ -105,23 +105,23 @@ static void move_as(const char *name)
     mu_text_clear(&stays.log);
 }
 
-static bool same_capsules(void)
+static bool same_snapshots(void)
 {
     size_t len, other;
     const char *why;
-    CU_ASSERT_EQUAL(save(&stays, capsule_bytes, &len, &why), MU_OK);
+    CU_ASSERT_EQUAL(save(&stays, snapshot_bytes, &len, &why), MU_OK);
     CU_ASSERT_EQUAL(save(&goes, other_bytes, &other, &why), MU_OK);
     size_t at = 96; /* behind the checksum */
-    while (at < len && at < other && capsule_bytes[at] == other_bytes[at]) {
+    while (at < len && at < other && snapshot_bytes[at] == other_bytes[at]) {
         at++;
     }
     if (at == len && len == other) {
         return true;
     }
-    while (at > 96 && capsule_bytes[at - 1] != '\n') {
+    while (at > 96 && snapshot_bytes[at - 1] != '\n') {
         at--;
     }
-    printf("\n  stayed: %.160s\n  moved:  %.160s\n", capsule_bytes + at, other_bytes + at);
+    printf("\n  stayed: %.160s\n  moved:  %.160s\n", snapshot_bytes + at, other_bytes + at);
     return false;
 }
 
@@ -193,7 +193,7 @@ static void cut_at(uint64_t cut, uint32_t most)
     }
     CU_ASSERT(stays.log.len > 1000);
     READS(goes.log.at, stays.log.at);
-    CU_ASSERT(same_capsules());
+    CU_ASSERT(same_snapshots());
 }
 
 /* Cuts at random steps; some with so small a budget that the agenda is never empty. */
@@ -257,7 +257,7 @@ static void test_after_every_firing(void)
             fire_one_by_one(&stays, 50);
             fire_one_by_one(&goes, 50);
             READS(goes.log.at, stays.log.at);
-            CU_ASSERT(same_capsules());
+            CU_ASSERT(same_snapshots());
         }
     }
 }
@@ -288,7 +288,7 @@ static void test_values_to_the_last_bit(void)
     char first[64];
     CU_ASSERT(mu_text_copy(first, sizeof first, say(&stays, "(random)")));
     READS(say(&goes, "(random)"), first);
-    CU_ASSERT(same_capsules());
+    CU_ASSERT(same_snapshots());
 }
 
 static void test_mail_and_events_come_along(void)
@@ -317,7 +317,7 @@ static void test_mail_and_events_come_along(void)
     (void)say(&stays, "(getmsg)");
     (void)say(&stays, "(getmsg)");
     (void)say(&stays, "(getmsg)");
-    CU_ASSERT(same_capsules());
+    CU_ASSERT(same_snapshots());
 }
 
 /* The same line, and the same answer, from both. */
@@ -345,7 +345,7 @@ static void test_breakpoints_and_watches_come_along(void)
     mind_fire(stays.mind, &act);
     CU_ASSERT_EQUAL(act.end, MIND_BREAK);
     move_as("blue");
-    CU_ASSERT(same_capsules());
+    CU_ASSERT(same_snapshots());
     same_answer("(show-breaks)");
     CU_ASSERT_PTR_NOT_NULL(strstr(say(&goes, "(show-breaks)"), "one"));
     for (struct soul *soul = &stays; soul; soul = soul == &stays ? &goes : NULL) {
@@ -363,7 +363,7 @@ static void test_breakpoints_and_watches_come_along(void)
         step(&goes, n, UINT32_MAX);
     }
     READS(goes.log.at, stays.log.at);
-    CU_ASSERT(same_capsules());
+    CU_ASSERT(same_snapshots());
 }
 
 static void test_a_clone_has_its_own_name(void)
@@ -388,7 +388,7 @@ static void refuses(const char *rules, const char *why_wanted)
     soul_load(&stays, rules);
     struct mind_act act;
     mind_fire(stays.mind, &act);
-    CU_ASSERT_EQUAL(save(&stays, capsule_bytes, &len, &why), MU_REFUSED);
+    CU_ASSERT_EQUAL(save(&stays, snapshot_bytes, &len, &why), MU_REFUSED);
     READS(why, why_wanted);
     mind_fire(stays.mind, &act); /* it goes on */
 }
@@ -419,7 +419,7 @@ static void test_switches_come_along(void)
                       "(set-sequence-operator-recognition TRUE) (set-auto-float-dividend FALSE)"
                       "(set-dynamic-constraint-checking TRUE) (setgen 44)");
     move_as("blue");
-    CU_ASSERT(same_capsules());
+    CU_ASSERT(same_snapshots());
     for (size_t i = 0; i < sizeof asked / sizeof asked[0]; i++) {
         READS(say(&goes, asked[i]), wanted[i]);
     }
@@ -442,10 +442,10 @@ static void test_long_texts(void)
     READS(say(&goes, "(str-length ?*text*)"), "73728\n");
     READS(say(&goes, "(length$ (findall (text ?)))"), "3\n");
     READS(say(&goes, "(length$ (get-defrule-list))"), "1\n");
-    CU_ASSERT(same_capsules());
+    CU_ASSERT(same_snapshots());
 }
 
-/* So many that a capsule is nearly full of them. */
+/* So many that a snapshot is nearly full of them. */
 static void test_a_long_agenda(void)
 {
     enum { FACTS = 12000, FIRED = 200 };
@@ -458,7 +458,7 @@ static void test_a_long_agenda(void)
     mind_fire_some(stays.mind, FIRED, &act);
     CU_ASSERT_EQUAL(act.firings, FIRED);
     move_as("blue");
-    CU_ASSERT(same_capsules());
+    CU_ASSERT(same_snapshots());
     uint32_t left = FACTS - FIRED;
     while (left > 0) {
         mind_fire(goes.mind, &act);
@@ -479,7 +479,7 @@ static void test_a_tall_stack_of_modules(void)
     READS(say(&stays, "(length$ (get-focus-stack))"), "60002\n");
     move_as("blue");
     READS(say(&goes, "(subseq$ (get-focus-stack) 1 4)"), "(C A B A)\n");
-    CU_ASSERT(same_capsules());
+    CU_ASSERT(same_snapshots());
 }
 
 static void test_what_cannot_be_written_down(void)
@@ -514,20 +514,20 @@ static void test_what_is_not_whole(void)
     mu_random_seed(&r, 1, "damage");
     soul_begin(&stays, "blue", NULL);
     soul_load(&stays, tangle);
-    CU_ASSERT_EQUAL_FATAL(save(&stays, capsule_bytes, &len, &why), MU_OK);
-    CU_ASSERT_EQUAL(restore(capsule_bytes, len), MU_OK);
-    CU_ASSERT_EQUAL(restore(capsule_bytes, len - 1), MU_FAULT_FILE);
-    CU_ASSERT_EQUAL(restore(capsule_bytes, 10), MU_FAULT_FILE);
+    CU_ASSERT_EQUAL_FATAL(save(&stays, snapshot_bytes, &len, &why), MU_OK);
+    CU_ASSERT_EQUAL(restore(snapshot_bytes, len), MU_OK);
+    CU_ASSERT_EQUAL(restore(snapshot_bytes, len - 1), MU_FAULT_FILE);
+    CU_ASSERT_EQUAL(restore(snapshot_bytes, 10), MU_FAULT_FILE);
     CU_ASSERT_EQUAL(restore("", 0), MU_FAULT_FILE);
     for (int i = 0; i < 100; i++) {
         size_t at = 96 + (size_t)mu_random_between(&r, 0, (int64_t)len - 97);
-        char was = capsule_bytes[at];
-        capsule_bytes[at] = (char)(was ^ (1 << mu_random_between(&r, 0, 7)));
-        CU_ASSERT_EQUAL(restore(capsule_bytes, len), MU_FAULT_FILE);
-        capsule_bytes[at] = was;
+        char was = snapshot_bytes[at];
+        snapshot_bytes[at] = (char)(was ^ (1 << mu_random_between(&r, 0, 7)));
+        CU_ASSERT_EQUAL(restore(snapshot_bytes, len), MU_FAULT_FILE);
+        snapshot_bytes[at] = was;
     }
-    memcpy(capsule_bytes, "muster-capsule 4", 16);
-    CU_ASSERT_EQUAL(restore(capsule_bytes, len), MU_FAULT_FILE);
+    memcpy(snapshot_bytes, "muster-capsule 4", 16);
+    CU_ASSERT_EQUAL(restore(snapshot_bytes, len), MU_FAULT_FILE);
 }
 
 /* Writes the checksum of what is there now. */
@@ -544,7 +544,7 @@ static void seal(char *bytes, size_t len)
     memcpy(bytes, head, (size_t)used);
 }
 
-/* Whoever writes a capsule by hand gets a mind or a refusal, and nothing breaks. */
+/* Whoever writes a snapshot by hand gets a mind or a refusal, and nothing breaks. */
 static void test_forged(void)
 {
     static const char letters[] = "\n ()\"\\0123456789ayfsn-,*:";
@@ -555,10 +555,10 @@ static void test_forged(void)
     soul_begin(&stays, "blue", NULL);
     soul_load(&stays, tangle);
     world_step(&stays, 1);
-    CU_ASSERT_EQUAL_FATAL(save(&stays, capsule_bytes, &len, &why), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(save(&stays, snapshot_bytes, &len, &why), MU_OK);
     int refused = 0, taken = 0;
     for (int i = 0; i < 300; i++) {
-        memcpy(other_bytes, capsule_bytes, len);
+        memcpy(other_bytes, snapshot_bytes, len);
         for (int64_t k = mu_random_between(&r, 0, 3); k >= 0; k--) {
             size_t at = 96 + (size_t)mu_random_between(&r, 0, (int64_t)len - 98);
             other_bytes[at] = letters[mu_random_between(&r, 0, (int64_t)sizeof letters - 2)];
@@ -591,10 +591,10 @@ int main(void)
         {"a long agenda", test_a_long_agenda},
         {"a tall stack of modules", test_a_tall_stack_of_modules},
         {"what cannot be written down", test_what_cannot_be_written_down},
-        {"a capsule that is too large", test_too_large},
-        {"a capsule that is not whole", test_what_is_not_whole},
-        {"forged capsules", test_forged},
+        {"a snapshot that is too large", test_too_large},
+        {"a snapshot that is not whole", test_what_is_not_whole},
+        {"forged snapshots", test_forged},
         CU_TEST_INFO_NULL,
     };
-    return suite_run("agent/capsule", tests);
+    return suite_run("mind/snapshot", tests);
 }

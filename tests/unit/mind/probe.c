@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A mind that is looked at all the time and one that is not: the same rules in the same order, the
- * same mail and diary, what is watched is shown alike, and at the end the same capsule.
+ * same mail and diary, what is watched is shown alike, and at the end the same snapshot.
  */
-#include "core/glance.h"
+#include "core/probe.h"
 #include "core/random.h"
 #include "mind/mind.h"
 #include "muster/limits.h"
@@ -13,7 +13,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { CAPSULE_MAX = 1 << 20, LOG_MAX = 1 << 20, SHOWN_MAX = 256 << 10, SONARS = 16 };
+enum { SNAPSHOT_MAX = 1 << 20, LOG_MAX = 1 << 20, SHOWN_MAX = 256 << 10, SONARS = 16 };
 
 /* A mind, and what it has said and done. */
 struct soul {
@@ -24,7 +24,7 @@ struct soul {
 };
 
 static struct soul alone, looked;
-static char capsule_bytes[CAPSULE_MAX], other_bytes[CAPSULE_MAX];
+static char snapshot_bytes[SNAPSHOT_MAX], other_bytes[SNAPSHOT_MAX];
 
 static mu_result post(void *self, const struct mind_letter *letter)
 {
@@ -115,13 +115,13 @@ static void both_say(const char *line)
     say(&looked, line);
 }
 
-/* @return what a glance shows; NULL: it is none */
+/* @return what a probe shows; NULL: it is none */
 static const char *look(struct soul *s, const char *line, mu_result wanted)
 {
     static char bytes[SHOWN_MAX];
     struct mu_text out;
     mu_text_init(&out, bytes, sizeof bytes);
-    mu_result got = mind_glance(s->mind, line, &out);
+    mu_result got = mind_probe(s->mind, line, &out);
     if (got != wanted) {
         printf("\n  %s: %d %s\n", line, (int)got, bytes);
     }
@@ -137,12 +137,12 @@ static void look_at_all(struct soul *s)
     static char bytes[SHOWN_MAX];
     char line[MU_GLANCE_LINE_MAX + 1];
     const char *word;
-    for (size_t i = 0; (word = mu_glance_at(i)) != NULL; i++) {
+    for (size_t i = 0; (word = mu_probe_at(i)) != NULL; i++) {
         for (size_t k = 0; k < sizeof literals / sizeof literals[0]; k++) {
             struct mu_text out;
             mu_text_init(&out, bytes, sizeof bytes);
             snprintf(line, sizeof line, "(%s%s)", word, literals[k]);
-            CU_ASSERT_NOT_EQUAL(mind_glance(s->mind, line, &out), MU_ABSENT);
+            CU_ASSERT_NOT_EQUAL(mind_probe(s->mind, line, &out), MU_ABSENT);
         }
     }
     (void)look(s, "?*mate*", MU_OK);
@@ -153,16 +153,16 @@ static size_t save(struct soul *s, char *to)
 {
     struct mu_fault fault;
     struct mu_text out;
-    mu_text_init(&out, to, CAPSULE_MAX);
+    mu_text_init(&out, to, SNAPSHOT_MAX);
     CU_ASSERT_EQUAL_FATAL(mind_save(s->mind, &out, &fault), MU_OK);
     return out.len;
 }
 
 static void same_souls(void)
 {
-    size_t len = save(&alone, capsule_bytes), other = save(&looked, other_bytes);
+    size_t len = save(&alone, snapshot_bytes), other = save(&looked, other_bytes);
     CU_ASSERT_EQUAL(len, other);
-    CU_ASSERT_EQUAL(memcmp(capsule_bytes, other_bytes, len), 0);
+    CU_ASSERT_EQUAL(memcmp(snapshot_bytes, other_bytes, len), 0);
     size_t at = 0;
     while (alone.log.at[at] && alone.log.at[at] == looked.log.at[at]) {
         at++;
@@ -276,7 +276,7 @@ static void test_a_word_that_rules_have_taken_is_none(void)
 }
 
 /* It shows what a line would, rules with globals in patterns as they were written. */
-static void test_a_glance_shows_what_a_line_does(void)
+static void test_a_probe_shows_what_a_line_does(void)
 {
     static const char *const lines[] = {"(facts)",     "(rules)",           "(agenda)",
                                         "(matches g)", "(ppdefrule g)",     "(list-defglobals)",
@@ -302,8 +302,8 @@ int main(void)
          test_what_nobody_matches_is_shown_and_gone_again},
         {"guards are not touched", test_guards_are_not_touched},
         {"a word that rules have taken is none", test_a_word_that_rules_have_taken_is_none},
-        {"a glance shows what a line does", test_a_glance_shows_what_a_line_does},
+        {"a probe shows what a line does", test_a_probe_shows_what_a_line_does},
         CU_TEST_INFO_NULL,
     };
-    return suite_run("glances", tests);
+    return suite_run("mind/probe", tests);
 }

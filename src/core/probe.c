@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "core/glance.h"
+#include "core/probe.h"
 
 #include "muster/limits.h"
 
@@ -57,7 +57,7 @@ static const char blanks[] = " \t\r\n";
 static const char literal_bytes[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
                                     "-_.:+*/!@#%^,'{}";
 
-const char *mu_glance_at(size_t index)
+const char *mu_probe_at(size_t index)
 {
     return index < WORDS ? words[index] : NULL;
 }
@@ -94,7 +94,7 @@ static bool global_is(const char *line)
     return len >= 4 && line[1] == '*' && line[len - 1] == '*' && ends(line + len);
 }
 
-size_t mu_glance_word(const char *line, const char **word)
+size_t mu_probe_word(const char *line, const char **word)
 {
     line += strspn(line, blanks);
     if (*line != '(') {
@@ -104,13 +104,13 @@ size_t mu_glance_word(const char *line, const char **word)
     return strspn(*word, literal_bytes);
 }
 
-bool mu_glance_is(const char *line)
+bool mu_probe_is(const char *line)
 {
     const char *word = line;
     if (strnlen(line, MU_GLANCE_LINE_MAX + 1) > MU_GLANCE_LINE_MAX) {
         return false;
     }
-    size_t len = mu_glance_word(line, &word);
+    size_t len = mu_probe_word(line, &word);
     if (len == 0) {
         return global_is(line + strspn(line, blanks));
     }

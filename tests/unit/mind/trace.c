@@ -317,5 +317,5 @@ int main(void)
         {"a goal with slots is none", test_goal_with_slots_is_none},
         CU_TEST_INFO_NULL,
     };
-    return suite_run("agent/diary", tests);
+    return suite_run("mind/trace", tests);
 }

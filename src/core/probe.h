@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
- * @file glance.h
- * Glances: lines of CLIPS that only look.
+ * @file probe.h
+ * Probes: lines of CLIPS that only look.
  *
- * Who says a line asks here whether it may go as a glance, and the mind that is to answer asks
+ * Who says a line asks here whether it may go as a probe, and the mind that is to answer asks
  * again.  Pure.
  */
-#ifndef MUSTER_CORE_GLANCE_H
-#define MUSTER_CORE_GLANCE_H
+#ifndef MUSTER_CORE_PROBE_H
+#define MUSTER_CORE_PROBE_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -16,7 +16,7 @@
  * Says whether a line only looks: it is `(WORD LITERAL...)` with a word of the list and nothing but
  * symbols and numbers behind it, or one global, and at most MU_GLANCE_LINE_MAX bytes.
  */
-bool mu_glance_is(const char *line);
+bool mu_probe_is(const char *line);
 
 /**
  * Finds the word of such a line.
@@ -24,9 +24,9 @@ bool mu_glance_is(const char *line);
  * @param word  out: where it begins in the line
  * @return its bytes; 0: it is a global
  */
-size_t mu_glance_word(const char *line, const char **word);
+size_t mu_probe_word(const char *line, const char **word);
 
 /** @return the index-th word of the list; NULL past the last */
-const char *mu_glance_at(size_t index);
+const char *mu_probe_at(size_t index);
 
 #endif

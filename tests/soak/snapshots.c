@@ -1,22 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Rule files, each cut at another firing: a mind that is made of the capsule has the same capsule,
- * and fires, prints and ends as the one that it was made of.
- *   capsules FILE...
- * Names the files of which that is not so, and counts as tests do.
+ * Rule files, each cut at another firing: a mind that is made of the snapshot has the same
+ * snapshot, and fires, prints and ends as the one that it was made of. snapshots FILE... Names the
+ * files of which that is not so, and counts as tests do.
  */
 #include "mind/mind.h"
 
 #include <stdio.h>
 #include <string.h>
 
-enum { CAPSULE_MAX = 1 << 20, LOG_MAX = 1 << 20, HEAD = 96, CUT_MOST = 40, STEPS = 4 };
+enum { SNAPSHOT_MAX = 1 << 20, LOG_MAX = 1 << 20, HEAD = 96, CUT_MOST = 40, STEPS = 4 };
 
 /* A mind, and what it has printed and fired since the cut. */
 struct side {
     struct mind *mind;
-    struct mu_text log, capsule;
-    char log_bytes[LOG_MAX], capsule_bytes[CAPSULE_MAX];
+    struct mu_text log, snapshot;
+    char log_bytes[LOG_MAX], snapshot_bytes[SNAPSHOT_MAX];
 };
 
 static struct side stays, goes;
@@ -34,7 +33,7 @@ static bool begin(struct side *s)
     s->mind = s->mind ? s->mind : mind_reserve();
     mind_close(s->mind);
     mu_text_init(&s->log, s->log_bytes, sizeof s->log_bytes);
-    mu_text_init(&s->capsule, s->capsule_bytes, sizeof s->capsule_bytes);
+    mu_text_init(&s->snapshot, s->snapshot_bytes, sizeof s->snapshot_bytes);
     return mind_begin(s->mind, &options, &fault) == MU_OK;
 }
 
@@ -47,9 +46,9 @@ static bool cut(const char *path, uint32_t firings)
         mind_fire_some(stays.mind, firings, &act);
         mu_text_clear(&stays.log);
     }
-    good = good && mind_save(stays.mind, &stays.capsule, &fault) == MU_OK &&
-           mind_restore(goes.mind, stays.capsule.at, stays.capsule.len, &fault) == MU_OK &&
-           mind_save(goes.mind, &goes.capsule, &fault) == MU_OK;
+    good = good && mind_save(stays.mind, &stays.snapshot, &fault) == MU_OK &&
+           mind_restore(goes.mind, stays.snapshot.at, stays.snapshot.len, &fault) == MU_OK &&
+           mind_save(goes.mind, &goes.snapshot, &fault) == MU_OK;
     if (!good) {
         printf("%s: %s\n", path, fault.text);
     }
@@ -72,12 +71,12 @@ static bool is_same(const char *path, uint32_t firings)
     }
     go_on(&stays);
     go_on(&goes);
-    bool capsules = strcmp(stays.capsule.at + HEAD, goes.capsule.at + HEAD) == 0;
+    bool snapshots = strcmp(stays.snapshot.at + HEAD, goes.snapshot.at + HEAD) == 0;
     bool runs = strcmp(stays.log.at, goes.log.at) == 0;
-    if (!capsules || !runs) {
-        printf("%s, cut after %u: another %s\n", path, firings, capsules ? "run" : "capsule");
+    if (!snapshots || !runs) {
+        printf("%s, cut after %u: another %s\n", path, firings, snapshots ? "run" : "snapshot");
     }
-    return capsules && runs;
+    return snapshots && runs;
 }
 
 int main(int argc, char **argv)

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""make soak-capsules: a mind that is written down in the middle of a run goes on as if it were not.
+"""make soak-snapshots: a mind that is written down in the middle of a run goes on as if it were not.
 
-The programs are those of soak-engine.  tests/soak/capsules.py [SEED [PROGRAMS]]
+The programs are those of soak-engine.  tests/soak/snapshots.py [SEED [PROGRAMS]]
 """
 import os
 import pathlib
@@ -14,7 +14,7 @@ import tempfile
 from engine import program
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-CAPSULES = ROOT / "build" / os.environ.get("BUILD", "release") / "test" / "capsules"
+SNAPSHOTS = ROOT / "build" / os.environ.get("BUILD", "release") / "test" / "snapshots"
 
 
 def main():
@@ -24,7 +24,7 @@ def main():
         paths = [pathlib.Path(name) / f"{i}.clp" for i in range(count)]
         for path in paths:
             path.write_text(program(rng))
-        return subprocess.run([CAPSULES, *paths], check=False).returncode
+        return subprocess.run([SNAPSHOTS, *paths], check=False).returncode
 
 
 if __name__ == "__main__":
