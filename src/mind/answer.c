@@ -84,8 +84,8 @@ static uint32_t layer_of(const struct mind_mail *mail)
 
 bool mind_has_layer(const struct mind *m, uint32_t layer)
 {
-    for (size_t i = 0; i < m->output->handler_count; i++) {
-        if (m->output->handlers[i].layer == layer) {
+    for (size_t i = 0; i < output_of(m)->handler_count; i++) {
+        if (output_of(m)->handlers[i].layer == layer) {
             return true;
         }
     }
@@ -113,9 +113,9 @@ static bool layer_call(struct mind *m, const struct mind_mail *mail, const char 
     struct expr call = {.type = PCALL, .value = f, .argList = arguments};
     DATA_OBJECT result;
     environment_begin(m);
-    m->output->handled = mail;
+    output_of(m)->handled = mail;
     EvaluateExpression(m->env, &call, &result);
-    m->output->handled = NULL;
+    output_of(m)->handled = NULL;
     bool passes = result.type == SYMBOL && result.value == EnvFalseSymbol(m->env);
     bool failed = environment_end(m);
     for (size_t i = 0; i + 1 < LAYERS_ARGUMENTS; i++) {
@@ -130,12 +130,12 @@ static bool layer_call(struct mind *m, const struct mind_mail *mail, const char 
 bool mind_handle(struct mind *m, const struct mind_mail *mail)
 {
     struct layers_handler chain[LAYERS_HANDLERS_MAX]; /* a handler may add others */
-    size_t count = m->output->handler_count;
+    size_t count = output_of(m)->handler_count;
     bool list, taken = false;
     if (!mind_has_layer(m, layer_of(mail)) || !MIND_ENTER(m, STATE_HANDLE)) {
         return false;
     }
-    memcpy(chain, m->output->handlers, count * sizeof chain[0]);
+    memcpy(chain, output_of(m)->handlers, count * sizeof chain[0]);
     trace_mail(m, mail);
     struct multifield *fields = mailbox_content(m, mail, &list);
     MultifieldInstall(m->env, fields);

@@ -121,15 +121,15 @@ struct probe_before {
 static struct probe_before probe_begin(struct mind *m)
 {
     struct probe_before before = {.units = m->cost.units,
-                                   .worked = m->worked,
-                                   .allocations = m->allocations,
-                                   .stopped = m->stopped,
-                                   .memory_max = m->memory_max,
-                                   .ring_unseen = m->inputs->ring_unseen,
-                                   .trace = m->trace,
-                                   .trace_lost = m->trace_lost,
-                                   .next_fact = FactData(m->env)->NextFactIndex,
-                                   .time_tag = DefruleData(m->env)->CurrentEntityTimeTag};
+                                  .worked = m->worked,
+                                  .allocations = m->allocations,
+                                  .stopped = m->stopped,
+                                  .memory_max = m->memory_max,
+                                  .ring_unseen = inputs_of(m)->ring_unseen,
+                                  .trace = m->trace,
+                                  .trace_lost = m->trace_lost,
+                                  .next_fact = FactData(m->env)->NextFactIndex,
+                                  .time_tag = DefruleData(m->env)->CurrentEntityTimeTag};
     (void)mind_enter(m, STATE_LOOK);
     m->memory_max = LONG_MAX;
     percept_show(m);
@@ -139,12 +139,12 @@ static struct probe_before probe_begin(struct mind *m)
 static void probe_end(struct mind *m, const struct probe_before *before)
 {
     if (before->ring_unseen) {
-        fact_retract(m, m->inputs->lists[MU_CHANNEL_SONAR].facts);
+        fact_retract(m, inputs_of(m)->lists[MU_CHANNEL_SONAR].facts);
     }
     CleanCurrentGarbageFrame(m->env, NULL);
     FactData(m->env)->NextFactIndex = before->next_fact;
     DefruleData(m->env)->CurrentEntityTimeTag = before->time_tag;
-    m->inputs->ring_unseen = before->ring_unseen;
+    inputs_of(m)->ring_unseen = before->ring_unseen;
     m->trace = before->trace;
     m->trace.at[m->trace.len] = '\0';
     m->trace_lost = before->trace_lost;

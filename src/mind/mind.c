@@ -13,7 +13,7 @@
 static void mind_after_rule(void *env)
 {
     const struct mind *m = environment_mind(env);
-    if (m->output->sense_again || m->output->travel.kind != MIND_STAYS) {
+    if (output_of(m)->sense_again || output_of(m)->travel.kind != MIND_STAYS) {
         EnvHalt(env);
     }
 }
@@ -39,14 +39,14 @@ static mu_result env_load_library(struct mind *m, struct mu_fault *fault)
     char path[MU_FAULT_FILE_MAX + 1];
     snprintf(path, sizeof path, "%s/muster.clp", m->options.rules_folder);
     mu_result loaded = load_file(m, path, fault);
-    m->output->rules_speak = false;
+    output_of(m)->rules_speak = false;
     return loaded;
 }
 
 struct mind *mind_reserve(void)
 {
-    struct mind *m = mu_startup_alloc(sizeof *m);
-    m->output = mu_startup_alloc(sizeof *m->output);
+    struct mind_loader *whole = mu_startup_alloc(sizeof *whole);
+    struct mind *m = &whole->output.inputs.mind;
     facts_reserve(m);
     load_reserve(m);
     return m;
@@ -55,13 +55,14 @@ struct mind *mind_reserve(void)
 /* What was there of another mind goes; its memory stays. */
 static void env_clear(struct mind *m)
 {
-    const struct mind before = {.inputs = m->inputs,
-                                .output = m->output,
-                                .loader = m->loader,
-                                .source_lines = m->source_lines};
-    *m = before;
-    *m->output = (struct mind_output){.asked = 0};
-    facts_clear(m);
+    const struct mind_inputs *in = inputs_of(m);
+    const struct mind_loader before = {.output.inputs = {.mind.source_lines = m->source_lines,
+                                                         .messages = in->messages,
+                                                         .mail_ring = in->mail_ring,
+                                                         .scratch = in->scratch},
+                                       .text = loader_of(m)->text,
+                                       .form = loader_of(m)->form};
+    *loader_of(m) = before;
 }
 
 static mu_result env_take_options(struct mind *m, const struct mind_options *options,
@@ -98,7 +99,7 @@ mu_result mind_begin(struct mind *m, const struct mind_options *options, struct 
     MU_TRY(env_take_options(m, options, fault));
     mu_text_init(&m->fired, m->fired_bytes, sizeof m->fired_bytes);
     mu_text_init(&m->said, m->said_bytes, sizeof m->said_bytes);
-    mu_random_seed(&m->output->random, options->seed, m->options.name);
+    mu_random_seed(&output_of(m)->random, options->seed, m->options.name);
     heap_make(m);
     env_install(m);
     if (!MIND_ENTER(m, STATE_BEGIN)) {
@@ -138,8 +139,8 @@ void mind_close(struct mind *m)
 
 struct mind_travel mind_travel(struct mind *m)
 {
-    struct mind_travel w = m->output->travel;
-    m->output->travel = (struct mind_travel){.kind = MIND_STAYS};
+    struct mind_travel w = output_of(m)->travel;
+    output_of(m)->travel = (struct mind_travel){.kind = MIND_STAYS};
     return w;
 }
 
@@ -150,20 +151,20 @@ void mind_forgive(struct mind *m)
 
 enum mind_wish mind_wish(struct mind *m, uint32_t *rules)
 {
-    enum mind_wish wish = m->output->wish;
-    *rules = m->output->wish_rules;
-    m->output->wish = MIND_WISH_NOTHING;
+    enum mind_wish wish = output_of(m)->wish;
+    *rules = output_of(m)->wish_rules;
+    output_of(m)->wish = MIND_WISH_NOTHING;
     return wish;
 }
 
 void mind_go_on(struct mind *m)
 {
-    m->output->passes = m->output->stands[0] != '\0';
+    output_of(m)->passes = output_of(m)->stands[0] != '\0';
 }
 
 bool mind_speaks(const struct mind *m)
 {
-    return m->output->rules_speak;
+    return output_of(m)->rules_speak;
 }
 
 uint32_t mind_senses(const struct mind *m)

@@ -25,23 +25,23 @@ static uint32_t fire_some(struct mind *m, uint32_t budget, bool *failed)
 
 static enum mind_end fire_loop(struct mind *m, uint32_t budget)
 {
-    while (m->output->act.firings < budget) {
+    while (output_of(m)->act.firings < budget) {
         bool failed;
         if (lifecycle_stops(m)) {
-            m->output->act.why = m->output->stands;
+            output_of(m)->act.why = output_of(m)->stands;
             return MIND_BREAK;
         }
-        uint32_t fired = fire_some(m, budget - m->output->act.firings, &failed);
-        m->output->act.firings += fired;
-        m->output->act.errors += failed;
+        uint32_t fired = fire_some(m, budget - output_of(m)->act.firings, &failed);
+        output_of(m)->act.firings += fired;
+        output_of(m)->act.errors += failed;
         if (m->stopped) {
-            m->output->act.why = m->stopped;
+            output_of(m)->act.why = m->stopped;
             return MIND_STOPPED;
         }
-        if (m->output->sense_again || m->output->travel.kind != MIND_STAYS) {
+        if (output_of(m)->sense_again || output_of(m)->travel.kind != MIND_STAYS) {
             return MIND_SENSE_AGAIN;
         }
-        bool idle = !failed && m->output->act.firings < budget && !lifecycle_breaks(m);
+        bool idle = !failed && output_of(m)->act.firings < budget && !lifecycle_breaks(m);
         if (fired == 0 || idle) {
             return MIND_IDLE;
         }
@@ -75,21 +75,21 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act)
     uint32_t budget = most < m->options.firings_max ? most : m->options.firings_max;
     mu_text_clear(&m->fired);
     m->printed = 0;
-    m->output->sense_again = false;
+    output_of(m)->sense_again = false;
     m->rule = NULL;
-    m->output->act.end = fire_loop(m, budget);
-    m->output->act.enough = m->enough ? m->reason : NULL;
+    output_of(m)->act.end = fire_loop(m, budget);
+    output_of(m)->act.enough = m->enough ? m->reason : NULL;
     m->enough = false;
-    m->output->act.rules = m->fired.at;
+    output_of(m)->act.rules = m->fired.at;
     trace_agenda(m);
     (void)mind_leave(m);
-    *act = m->output->act;
-    m->output->act = (struct mind_act){.drives = false};
+    *act = output_of(m)->act;
+    output_of(m)->act = (struct mind_act){.drives = false};
 }
 
 void mind_percept(struct mind *m, const struct mu_percept *percept)
 {
-    m->inputs->step++;
+    inputs_of(m)->step++;
     if (!MIND_ENTER(m, STATE_SENSE)) {
         return;
     }
@@ -104,7 +104,7 @@ void mind_percept(struct mind *m, const struct mu_percept *percept)
 
 void mind_feel_nothing(struct mind *m, uint64_t time_ns)
 {
-    m->inputs->step++;
+    inputs_of(m)->step++;
     if (!MIND_ENTER(m, STATE_SENSE)) {
         return;
     }
@@ -116,14 +116,14 @@ void mind_feel_nothing(struct mind *m, uint64_t time_ns)
 
 void mind_event(struct mind *m, enum mu_event event)
 {
-    m->inputs->pending[event] = true;
+    inputs_of(m)->pending[event] = true;
 }
 
 void mind_event_now(struct mind *m, enum mu_event event, struct mind_act *act)
 {
     volatile bool awaited = false; /* over what MIND_ENTER comes back to */
     *act = (struct mind_act){.rules = "", .end = MIND_IDLE};
-    m->inputs->pending[event] = true;
+    inputs_of(m)->pending[event] = true;
     if (MIND_ENTER(m, STATE_SENSE)) {
         events_assert(m);
         awaited = events_are_awaited(m, event);
@@ -138,7 +138,7 @@ void mind_mail_returned(struct mind *m, const char *verb, const char *to, const 
 {
     char what[2 * (MU_FIELD_MAX + 1)];
     struct mu_text t;
-    if (!state_has_rules(m) || !m->inputs->event->patternNetwork) {
+    if (!state_has_rules(m) || !inputs_of(m)->event->patternNetwork) {
         return;
     }
     mu_text_init(&t, what, sizeof what);
@@ -180,11 +180,11 @@ static void relations_clear(struct mind *m, const char *const *relations)
 
 void mind_observe(struct mind *m, uint64_t time_ns, const char *const *relations)
 {
-    m->inputs->step++;
+    inputs_of(m)->step++;
     if (!MIND_ENTER(m, STATE_SENSE)) {
         return;
     }
-    m->inputs->percept.time_ns = time_ns;
+    inputs_of(m)->percept.time_ns = time_ns;
     relations_clear(m, relations);
     events_assert(m);
     messages_age(m);

@@ -105,15 +105,11 @@ enum trace_fact {
 };
 
 /*
- * A mind as its engine sees it.  What the floors above have of it only they and what stands above
- * them know.
+ * A mind as its engine sees it.  It is the beginning of what the floors above have of a mind, which
+ * only they and what stands above them know.
  */
 struct mind {
-    struct port_cost cost;      /* first: port.h */
-    struct mind_inputs *inputs; /* facts/facts.h */
-    struct mind_output *output; /* functions/functions.h */
-    struct mind_loader *loader; /* load/load.h */
-
+    struct port_cost cost;  /* first: port.h */
     enum mind_state state;  /* state_on alone changes it */
     uint64_t refused_calls; /* of a mind without rules */
     void *env;

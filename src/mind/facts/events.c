@@ -19,7 +19,7 @@ static void event_fact(struct mind *m, const char *const *words, size_t count, s
     for (size_t i = 0; i < count; i++) {
         value_set_symbol(m->env, fields, i, words[i]);
     }
-    *fact = fact_assert(m, m->inputs->event, fields);
+    *fact = fact_assert(m, inputs_of(m)->event, fields);
     EnvDecrementGCLocks(m->env);
 }
 
@@ -27,17 +27,17 @@ static void event_fact(struct mind *m, const char *const *words, size_t count, s
 static bool is_of_interest(const struct mind *m, size_t event)
 {
     bool of_moves = event == MU_ON_ARRIVE || event == MU_ON_LEAVE;
-    return !of_moves || m->inputs->event->patternNetwork;
+    return !of_moves || inputs_of(m)->event->patternNetwork;
 }
 
 void events_assert(struct mind *m)
 {
     for (size_t i = 0; i < MU_EVENTS; i++) {
-        bool pending = m->inputs->pending[i];
-        m->inputs->pending[i] = false;
+        bool pending = inputs_of(m)->pending[i];
+        inputs_of(m)->pending[i] = false;
         if (pending && is_of_interest(m, i)) {
             trace_cause(m, 'E', event_names[i], "");
-            event_fact(m, &event_names[i], 1, &m->inputs->events[i]);
+            event_fact(m, &event_names[i], 1, &inputs_of(m)->events[i]);
         }
     }
 }
@@ -70,7 +70,7 @@ static void agenda_look(struct mind *m, void *self)
 
 bool events_are_awaited(struct mind *m, enum mu_event event)
 {
-    struct awaited awaited = {.fact = m->inputs->events[event]};
+    struct awaited awaited = {.fact = inputs_of(m)->events[event]};
     if (awaited.fact) {
         environment_each_module(m, &awaited, agenda_look);
     }
@@ -89,6 +89,6 @@ void events_refuse(struct mind *m, const char *change, const char *reason)
         words[2] = blank + 1;
         words[count++] = reason;
     }
-    event_fact(m, words, count, &m->inputs->refused[m->inputs->refused_next]);
-    m->inputs->refused_next = (m->inputs->refused_next + 1) % EVENTS_REFUSED_MAX;
+    event_fact(m, words, count, &inputs_of(m)->refused[inputs_of(m)->refused_next]);
+    inputs_of(m)->refused_next = (inputs_of(m)->refused_next + 1) % EVENTS_REFUSED_MAX;
 }

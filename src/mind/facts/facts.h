@@ -70,6 +70,7 @@ struct percept_list {
 
 /* What a mind has been told. */
 struct mind_inputs {
+    struct mind mind; /* first */
     uint64_t step;
 
     /* percepts */
@@ -101,13 +102,15 @@ struct mind_inputs {
     size_t refused_next;
 };
 
+static inline struct mind_inputs *inputs_of(const struct mind *m)
+{
+    return (struct mind_inputs *)(uintptr_t)m;
+}
+
 /* inputs.c */
 
 /** Takes memory while the process starts. */
 void facts_reserve(struct mind *m);
-
-/** Forgets all that another mind in this memory was told. */
-void facts_clear(struct mind *m);
 
 /** Builds the templates that C code knows.  @return whether CLIPS has taken them */
 bool facts_build(struct mind *m);

@@ -6,18 +6,9 @@
 
 void facts_reserve(struct mind *m)
 {
-    m->inputs = mu_startup_alloc(sizeof *m->inputs);
-    m->inputs->messages = messages_reserve();
-    m->inputs->mail_ring = mail_ring_reserve();
-    m->inputs->scratch = mu_startup_alloc(MU_CONTENT_MAX + 1);
-}
-
-void facts_clear(struct mind *m)
-{
-    const struct mind_inputs before = {.messages = m->inputs->messages,
-                                       .mail_ring = m->inputs->mail_ring,
-                                       .scratch = m->inputs->scratch};
-    *m->inputs = before;
+    inputs_of(m)->messages = messages_reserve();
+    inputs_of(m)->mail_ring = mail_ring_reserve();
+    inputs_of(m)->scratch = mu_startup_alloc(MU_CONTENT_MAX + 1);
 }
 
 /* What C code keeps pointers to is in use: CLIPS does not let it be removed. */
@@ -35,13 +26,13 @@ bool facts_build(struct mind *m)
                           " (slot conversation) (multislot content) (slot layer))")) {
         return false;
     }
-    m->inputs->position = inputs_hold(m, "position");
+    inputs_of(m)->position = inputs_hold(m, "position");
     for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
-        m->inputs->lists[i].relation = inputs_hold(m, mu_channels[i].fact);
+        inputs_of(m)->lists[i].relation = inputs_hold(m, mu_channels[i].fact);
     }
-    m->inputs->message = inputs_hold(m, "message");
-    m->inputs->event = inputs_hold(m, "event");
-    m->inputs->mail = EnvFindDeftemplate(m->env, "mail");
-    m->inputs->mail->busyCount++;
+    inputs_of(m)->message = inputs_hold(m, "message");
+    inputs_of(m)->event = inputs_hold(m, "event");
+    inputs_of(m)->mail = EnvFindDeftemplate(m->env, "mail");
+    inputs_of(m)->mail->busyCount++;
     return true;
 }

@@ -15,7 +15,7 @@ struct mail_ring *mail_ring_reserve(void)
 
 void mail_ring_install(struct mind *m)
 {
-    m->inputs->mail_ring->first = m->inputs->mail_ring->count = 0;
+    inputs_of(m)->mail_ring->first = inputs_of(m)->mail_ring->count = 0;
 }
 
 static struct mail_ring_entry *parked_at(struct mail_ring *p, uint32_t index)
@@ -43,11 +43,11 @@ static bool parked_place(struct mail_ring *p, uint32_t bytes, uint32_t *at)
 
 mu_result mail_ring_put(struct mind *m, const struct mind_mail *mail, bool clips)
 {
-    struct mail_ring *p = m->inputs->mail_ring;
+    struct mail_ring *p = inputs_of(m)->mail_ring;
     uint32_t len = (uint32_t)strnlen(mail->content, MU_CONTENT_MAX);
     uint32_t at;
     while (!parked_place(p, len + 1, &at)) {
-        if (m->inputs->rules_getmsg) {
+        if (inputs_of(m)->rules_getmsg) {
             return MU_FULL;
         }
         mail_ring_drop(m);
@@ -66,7 +66,7 @@ mu_result mail_ring_put(struct mind *m, const struct mind_mail *mail, bool clips
 
 const struct mail_ring_entry *mail_ring_first(const struct mind *m, const char **content)
 {
-    struct mail_ring *p = m->inputs->mail_ring;
+    struct mail_ring *p = inputs_of(m)->mail_ring;
     const struct mail_ring_entry *first = p->count > 0 ? parked_at(p, 0) : NULL;
     *content = first ? p->bytes + first->at : "";
     return first;
@@ -74,7 +74,7 @@ const struct mail_ring_entry *mail_ring_first(const struct mind *m, const char *
 
 void mail_ring_drop(struct mind *m)
 {
-    struct mail_ring *p = m->inputs->mail_ring;
+    struct mail_ring *p = inputs_of(m)->mail_ring;
     MU_ASSERT(p->count > 0);
     DecrementSymbolCount(m->env, p->mails[p->first].from);
     p->first = (p->first + 1) % MAIL_RING_MAX;

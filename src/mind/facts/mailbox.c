@@ -14,8 +14,8 @@ void mailbox_install(struct mind *m)
 
 static void field_set(struct mind *m, struct field *to, struct syntax_field f)
 {
-    memcpy(m->inputs->scratch, f.at, f.len);
-    m->inputs->scratch[f.len] = '\0';
+    memcpy(inputs_of(m)->scratch, f.at, f.len);
+    inputs_of(m)->scratch[f.len] = '\0';
     switch (f.kind) {
     case SYNTAX_FIELD_INTEGER:
         to->type = INTEGER;
@@ -26,14 +26,14 @@ static void field_set(struct mind *m, struct field *to, struct syntax_field f)
         to->value = EnvAddDouble(m->env, f.real);
         break;
     case SYNTAX_FIELD_STRING:
-        syntax_unescape(m->inputs->scratch, f.at, f.len);
+        syntax_unescape(inputs_of(m)->scratch, f.at, f.len);
         to->type = STRING;
-        to->value = EnvAddSymbol(m->env, m->inputs->scratch);
+        to->value = EnvAddSymbol(m->env, inputs_of(m)->scratch);
         break;
     case SYNTAX_FIELD_INSTANCE:
     case SYNTAX_FIELD_SYMBOL:
         to->type = f.kind == SYNTAX_FIELD_SYMBOL ? SYMBOL : INSTANCE_NAME;
-        to->value = EnvAddSymbol(m->env, m->inputs->scratch);
+        to->value = EnvAddSymbol(m->env, inputs_of(m)->scratch);
         break;
     case SYNTAX_FIELD_END:
     case SYNTAX_FIELD_BAD: break;
@@ -81,8 +81,8 @@ static struct multifield *mail_raw(struct mind *m, const char *content)
  */
 static bool mail_is_looked_at(const struct mind *m)
 {
-    long others = m->inputs->mail->busyCount - 1;
-    for (const struct fact *f = m->inputs->mail->factList; f && others > 0;
+    long others = inputs_of(m)->mail->busyCount - 1;
+    for (const struct fact *f = inputs_of(m)->mail->factList; f && others > 0;
          f = f->nextTemplateFact) {
         others--;
     }
@@ -92,18 +92,18 @@ static bool mail_is_looked_at(const struct mind *m)
 /* Forgets the facts that rules have taken, when it is time.  @return whether there is room */
 static bool mail_make_room(struct mind *m)
 {
-    if (m->inputs->mail_count < MAILBOX_MAX) {
+    if (inputs_of(m)->mail_count < MAILBOX_MAX) {
         return true;
     }
-    m->inputs->mail_count = 0;
+    inputs_of(m)->mail_count = 0;
     for (size_t i = 0; i < MAILBOX_MAX; i++) {
-        if (EnvFactExistp(m->env, m->inputs->mails[i])) {
-            m->inputs->mails[m->inputs->mail_count++] = m->inputs->mails[i];
+        if (EnvFactExistp(m->env, inputs_of(m)->mails[i])) {
+            inputs_of(m)->mails[inputs_of(m)->mail_count++] = inputs_of(m)->mails[i];
         } else {
-            EnvDecrementFactCount(m->env, m->inputs->mails[i]);
+            EnvDecrementFactCount(m->env, inputs_of(m)->mails[i]);
         }
     }
-    return m->inputs->mail_count < MAILBOX_MAX;
+    return inputs_of(m)->mail_count < MAILBOX_MAX;
 }
 
 static struct fact *mail_assert(struct mind *m, const struct mind_mail *mail,
@@ -112,7 +112,7 @@ static struct fact *mail_assert(struct mind *m, const struct mind_mail *mail,
     const char *const words[MAIL_CONTENT] = {
         NULL,           mail->src,        m->options.name,   mail->performative, mail->language,
         mail->ontology, mail->reply_with, mail->in_reply_to, mail->conversation};
-    struct fact *f = EnvCreateFact(m->env, m->inputs->mail);
+    struct fact *f = EnvCreateFact(m->env, inputs_of(m)->mail);
     struct field *slots = f->theProposition.theFields;
     slots[MAIL_ID].type = INTEGER;
     slots[MAIL_ID].value = EnvAddLong(m->env, (long long)mail->id);
@@ -137,7 +137,7 @@ static mu_result mail_queue(struct mind *m, const struct mind_mail *mail,
                             struct multifield *content)
 {
     bool looked_at = mail_is_looked_at(m);
-    if (!looked_at && !m->inputs->mail->patternNetwork) {
+    if (!looked_at && !inputs_of(m)->mail->patternNetwork) {
         return MU_ABSENT;
     }
     struct fact *f = mail_assert(m, mail, CopyMultifield(m->env, content));
@@ -153,7 +153,7 @@ static mu_result mail_queue(struct mind *m, const struct mind_mail *mail,
         return r;
     }
     EnvIncrementFactCount(m->env, f);
-    m->inputs->mails[m->inputs->mail_count++] = f;
+    inputs_of(m)->mails[inputs_of(m)->mail_count++] = f;
     return MU_OK;
 }
 
@@ -193,7 +193,7 @@ mu_result mailbox_take(struct mind *m, const struct mind_mail *mail)
 struct expr *mailbox_parse_getmsg(void *env, struct expr *top, const char *source)
 {
     struct mind *m = environment_mind(env);
-    m->inputs->rules_getmsg = m->inputs->rules_getmsg || ConstructData(env)->ParsingConstruct;
+    inputs_of(m)->rules_getmsg = inputs_of(m)->rules_getmsg || ConstructData(env)->ParsingConstruct;
     top = CollectArguments(env, top, source);
     if (top && top->argList) {
         ExpectedCountError(env, "getmsg", EXACTLY, 0);
@@ -244,7 +244,7 @@ void mailbox_getmsg(void *env, DATA_OBJECT *out)
 {
     struct mind *m = environment_mind(env);
     const char *content;
-    struct fact *f = EnvGetNextFactInTemplate(env, m->inputs->mail, NULL);
+    struct fact *f = EnvGetNextFactInTemplate(env, inputs_of(m)->mail, NULL);
     const struct mail_ring_entry *parked = mail_ring_first(m, &content);
     bool fact_first = f && (!parked || mail_number(f) < parked->id);
     EnvSetMultifieldErrorValue(env, out);

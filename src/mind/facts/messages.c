@@ -10,7 +10,7 @@ struct messages *messages_reserve(void)
 
 void messages_install(struct mind *m)
 {
-    struct messages *all = m->inputs->messages;
+    struct messages *all = inputs_of(m)->messages;
     *all = (struct messages){.free = 0};
     for (uint16_t i = 1; i < MESSAGES_MAX; i++) {
         all->at[i].newer = i + 1; /* the free ones are chained through newer */
@@ -37,7 +37,7 @@ static void message_unchain(struct messages *all, uint16_t index)
 
 static void message_remove(struct mind *m, uint16_t index)
 {
-    struct messages *all = m->inputs->messages;
+    struct messages *all = inputs_of(m)->messages;
     struct message *e = &all->at[index];
     message_unchain(all, index);
     fact_retract(m, &e->fact);
@@ -51,8 +51,8 @@ static void message_remove(struct mind *m, uint16_t index)
 
 void messages_age(struct mind *m)
 {
-    struct messages *all = m->inputs->messages;
-    while (all->oldest && m->inputs->step - all->at[all->oldest].step >= MESSAGES_STEPS) {
+    struct messages *all = inputs_of(m)->messages;
+    while (all->oldest && inputs_of(m)->step - all->at[all->oldest].step >= MESSAGES_STEPS) {
         trace_cause(m, 'E', "age", "");
         message_remove(m, all->oldest);
     }
@@ -62,10 +62,10 @@ void messages_age(struct mind *m)
 static void message_supersede(struct mind *m, const SYMBOL_HN *from, const void *first)
 {
     uint16_t next;
-    for (uint16_t i = m->inputs->messages->chains[message_chain(from, first)]; i; i = next) {
-        const struct message *e = &m->inputs->messages->at[i];
+    for (uint16_t i = inputs_of(m)->messages->chains[message_chain(from, first)]; i; i = next) {
+        const struct message *e = &inputs_of(m)->messages->at[i];
         next = e->chain;
-        if (e->from == from && e->first == first && e->step < m->inputs->step) {
+        if (e->from == from && e->first == first && e->step < inputs_of(m)->step) {
             message_remove(m, i);
         }
     }
@@ -73,7 +73,7 @@ static void message_supersede(struct mind *m, const SYMBOL_HN *from, const void 
 
 bool messages_enter(struct mind *m, const struct message *entry)
 {
-    struct messages *all = m->inputs->messages;
+    struct messages *all = inputs_of(m)->messages;
     uint16_t index = all->free;
     if (index == 0) {
         return false;
@@ -97,9 +97,9 @@ bool messages_enter(struct mind *m, const struct message *entry)
 
 void messages_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct multifield *fields)
 {
-    struct messages *all = m->inputs->messages;
+    struct messages *all = inputs_of(m)->messages;
     bool some = fields->multifieldLength > 0;
-    struct message e = {.from = from, .first_type = SYMBOL, .id = id, .step = m->inputs->step};
+    struct message e = {.from = from, .first_type = SYMBOL, .id = id, .step = inputs_of(m)->step};
     if (some) {
         e.first = fields->theFields[0].value;
         e.first_type = fields->theFields[0].type;
@@ -110,7 +110,7 @@ void messages_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct multifiel
     }
     /* one fact for each mail, even when two senders say the same */
     EnvSetFactDuplication(m->env, TRUE);
-    e.fact = fact_assert(m, m->inputs->message, fields);
+    e.fact = fact_assert(m, inputs_of(m)->message, fields);
     EnvSetFactDuplication(m->env, FALSE);
     if (e.fact) {
         (void)messages_enter(m, &e);
@@ -119,8 +119,8 @@ void messages_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct multifiel
 
 void messages_forget(struct mind *m, uint64_t id)
 {
-    for (uint16_t i = m->inputs->messages->oldest; i; i = m->inputs->messages->at[i].newer) {
-        if (m->inputs->messages->at[i].id == id) {
+    for (uint16_t i = inputs_of(m)->messages->oldest; i; i = inputs_of(m)->messages->at[i].newer) {
+        if (inputs_of(m)->messages->at[i].id == id) {
             message_remove(m, i);
             return;
         }

@@ -10,22 +10,22 @@ void sensors_note(struct mind *m, const char *word)
 {
     for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
         if (strcmp(word, mu_channels[i].fact) == 0) {
-            m->inputs->senses_named |= mu_channels[i].senses;
+            inputs_of(m)->senses_named |= mu_channels[i].senses;
         }
     }
     if (strcmp(word, "all") != 0) {
-        m->inputs->senses_named |= mu_sensor_bits(word);
+        inputs_of(m)->senses_named |= mu_sensor_bits(word);
     }
     if (strcmp(word, "clear-way") == 0) {
-        m->inputs->senses_named |= MU_SENSE_SONAR;
+        inputs_of(m)->senses_named |= MU_SENSE_SONAR;
     }
 }
 
 uint32_t sensors_wanted(const struct mind *m)
 {
-    uint32_t senses = m->inputs->senses_named;
+    uint32_t senses = inputs_of(m)->senses_named;
     for (size_t i = 0; i < MU_CHANNEL_COUNT && m->env; i++) {
-        senses |= fact_is_used(m->inputs->lists[i].relation) ? mu_channels[i].senses : 0;
+        senses |= fact_is_used(inputs_of(m)->lists[i].relation) ? mu_channels[i].senses : 0;
     }
     return senses;
 }

@@ -85,12 +85,12 @@ void avoidance_clear_way(void *env, DATA_OBJECT *out)
         return;
     }
     for (size_t i = 0; i < WAY_FRONT; i++) {
-        bool seen = m->inputs->percept.sonar_count >= WAY_FRONT &&
-                    (double)m->inputs->percept.sonar_m[i] * 1000 <= arg[1];
-        ring_mm[i] = seen ? (double)m->inputs->percept.sonar_m[i] * 1000 : way_nothing_mm;
+        bool seen = inputs_of(m)->percept.sonar_count >= WAY_FRONT &&
+                    (double)inputs_of(m)->percept.sonar_m[i] * 1000 <= arg[1];
+        ring_mm[i] = seen ? (double)inputs_of(m)->percept.sonar_m[i] * 1000 : way_nothing_mm;
     }
     double want_deg = fmax(-90, fmin(value_norm_deg(arg[0]), 90));
-    double turns_deg = m->inputs->percept.turn_rad_s * VALUE_DEG / way_turn_s;
+    double turns_deg = inputs_of(m)->percept.turn_rad_s * VALUE_DEG / way_turn_s;
     double way_deg = way_direction(ring_mm, want_deg, fmax(-90, fmin(turns_deg, 90)),
                                    environment_global(m, ENVIRONMENT_CARE));
     way_deg += way_lean(ring_mm);

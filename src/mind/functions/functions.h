@@ -21,7 +21,8 @@ struct layers_handler {
 
 /* What rules have said by calling functions. */
 struct mind_output {
-    struct mind_act act; /* of this step */
+    struct mind_inputs inputs; /* first */
+    struct mind_act act;       /* of this step */
     bool sense_again;
     struct mind_travel travel;
     struct mu_random random;
@@ -38,6 +39,11 @@ struct mind_output {
     char stands[MU_FIELD_MAX + 1]; /* the rule with a breakpoint that it stopped before last */
     bool passes;                   /* that rule may fire once all the same */
 };
+
+static inline struct mind_output *output_of(const struct mind *m)
+{
+    return (struct mind_output *)(uintptr_t)m;
+}
 
 /** Makes the functions known to CLIPS. */
 void functions_install(struct mind *m);

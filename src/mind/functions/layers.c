@@ -22,21 +22,22 @@ mu_result layers_add(struct mind *m, uint32_t layer, const char *function)
         return MU_ABSENT;
     }
     SYMBOL_HN *name = EnvAddSymbol(m->env, function);
-    while (place < m->output->handler_count && (m->output->handlers[place].layer != layer ||
-                                                m->output->handlers[place].function != name)) {
+    while (place < output_of(m)->handler_count &&
+           (output_of(m)->handlers[place].layer != layer ||
+            output_of(m)->handlers[place].function != name)) {
         place++;
     }
     if (place == LAYERS_HANDLERS_MAX) {
         return MU_FULL;
     }
-    if (place < m->output->handler_count) { /* it is there already, and becomes the youngest */
-        m->output->handler_count--;
-        memmove(&m->output->handlers[place], &m->output->handlers[place + 1],
-                (m->output->handler_count - place) * sizeof m->output->handlers[0]);
+    if (place < output_of(m)->handler_count) { /* it is there already, and becomes the youngest */
+        output_of(m)->handler_count--;
+        memmove(&output_of(m)->handlers[place], &output_of(m)->handlers[place + 1],
+                (output_of(m)->handler_count - place) * sizeof output_of(m)->handlers[0]);
     } else {
         IncrementSymbolCount(name);
     }
-    m->output->handlers[m->output->handler_count++] =
+    output_of(m)->handlers[output_of(m)->handler_count++] =
         (struct layers_handler){.layer = layer, .function = name};
     return MU_OK;
 }

@@ -10,8 +10,8 @@
 
 static void control_wish(struct mind *m, enum mind_wish wish, uint32_t rules)
 {
-    m->output->wish = wish;
-    m->output->wish_rules = rules;
+    output_of(m)->wish = wish;
+    output_of(m)->wish_rules = rules;
 }
 
 /* @return the number of rules that are asked for, or 0: it was none, and that is said */
@@ -96,13 +96,13 @@ bool lifecycle_stops(struct mind *m)
         return false;
     }
     const char *rule = ValueToString(control_next(m)->theRule->header.name);
-    if (m->output->passes && strcmp(m->output->stands, rule) == 0) {
-        m->output->passes = false;
-        m->output->stands[0] = '\0';
+    if (output_of(m)->passes && strcmp(output_of(m)->stands, rule) == 0) {
+        output_of(m)->passes = false;
+        output_of(m)->stands[0] = '\0';
         return false;
     }
-    mu_text_copy(m->output->stands, sizeof m->output->stands, rule);
-    m->output->passes = false;
+    mu_text_copy(output_of(m)->stands, sizeof output_of(m)->stands, rule);
+    output_of(m)->passes = false;
     return true;
 }
 
@@ -126,9 +126,9 @@ static bool name_take(void *env, const char *function, int index, char name[MU_N
 static void travel_set(void *env, struct mind_travel w, DATA_OBJECT *out)
 {
     struct mind *m = environment_mind(env);
-    bool first = m->output->travel.kind == MIND_STAYS;
+    bool first = output_of(m)->travel.kind == MIND_STAYS;
     if (first) {
-        m->output->travel = w;
+        output_of(m)->travel = w;
     }
     value_bool(env, out, first);
 }

@@ -141,7 +141,7 @@ void math_clamp(void *env, DATA_OBJECT *out)
 
 void math_now(void *env, DATA_OBJECT *out)
 {
-    value_float(env, out, (double)environment_mind(env)->inputs->percept.time_ns * 1e-9);
+    value_float(env, out, (double)inputs_of(environment_mind(env))->percept.time_ns * 1e-9);
 }
 
 void math_random(void *env, DATA_OBJECT *out)
@@ -162,7 +162,7 @@ void math_random(void *env, DATA_OBJECT *out)
         value_refuse(env, "random", "a least number that is not above the greatest");
         return;
     }
-    value_integer(env, out, mu_random_between(&environment_mind(env)->output->random, lo, hi));
+    value_integer(env, out, mu_random_between(&output_of(environment_mind(env))->random, lo, hi));
 }
 
 void math_seed(void *env, DATA_OBJECT *out)
@@ -171,7 +171,7 @@ void math_seed(void *env, DATA_OBJECT *out)
     long long seed;
     value_bool(env, out, false);
     if (value_whole(env, "seed", 1, &seed)) {
-        mu_random_seed(&m->output->random, (uint64_t)seed, m->options.name);
+        mu_random_seed(&output_of(m)->random, (uint64_t)seed, m->options.name);
         value_bool(env, out, true);
     }
 }

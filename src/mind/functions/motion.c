@@ -35,9 +35,9 @@ static double physical_clamp(double x, double limit)
 
 static void motion_drive(struct mind *m, double forward_m_s, double turn_rad_s)
 {
-    m->output->act.drives = true;
-    m->output->act.forward_m_s = forward_m_s;
-    m->output->act.turn_rad_s = turn_rad_s;
+    output_of(m)->act.drives = true;
+    output_of(m)->act.forward_m_s = forward_m_s;
+    output_of(m)->act.turn_rad_s = turn_rad_s;
     trace_speed(m, forward_m_s, turn_rad_s);
 }
 
@@ -68,6 +68,6 @@ void motion_stop(void *env, DATA_OBJECT *out)
 void motion_update_sensors(void *env, DATA_OBJECT *out)
 {
     struct mind *m = environment_mind(env);
-    m->output->sense_again = m->output->sense_again || m->state == MIND_FIRING;
+    output_of(m)->sense_again = output_of(m)->sense_again || m->state == MIND_FIRING;
     value_bool(env, out, m->state == MIND_FIRING);
 }

@@ -17,13 +17,14 @@ void path_plan(void *env, DATA_OBJECT *out)
 {
     static struct path path; /* large, and of use only until the fields are made */
     struct mind *m = environment_mind(env);
-    const struct mu_percept *p = &m->inputs->percept;
+    const struct mu_percept *p = &inputs_of(m)->percept;
     double to_mm[2];
     value_bool(env, out, false);
     if (!value_numbers(env, "plan", 2, to_mm)) {
         return;
     }
-    if (!m->options.planner || !m->inputs->sensed || !isfinite(to_mm[0]) || !isfinite(to_mm[1])) {
+    if (!m->options.planner || !inputs_of(m)->sensed || !isfinite(to_mm[0]) ||
+        !isfinite(to_mm[1])) {
         return;
     }
     double from_m[2] = {p->x_m, p->y_m};

@@ -159,7 +159,7 @@ static void send_letter(void *env, const char *function, struct mind_letter *let
                         const DATA_OBJECT *fields, DATA_OBJECT *out)
 {
     struct mu_text content;
-    mu_text_init(&content, environment_mind(env)->inputs->scratch, MU_CONTENT_MAX + 1);
+    mu_text_init(&content, inputs_of(environment_mind(env))->scratch, MU_CONTENT_MAX + 1);
     if (send_content(env, function, fields, &content)) {
         letter->content = content.at;
         send_hand(env, letter, out);
@@ -169,7 +169,7 @@ static void send_letter(void *env, const char *function, struct mind_letter *let
 const char *send_question(void *env, char *to, size_t size)
 {
     struct mind *m = environment_mind(env);
-    snprintf(to, size, "%s-%llu", m->options.name, (unsigned long long)++m->output->asked);
+    snprintf(to, size, "%s-%llu", m->options.name, (unsigned long long)++output_of(m)->asked);
     return to;
 }
 
@@ -301,7 +301,7 @@ static bool reply_to_fact(const struct mind *m, const DATA_OBJECT *mail, struct 
 {
     enum { FROM = 1, ONTOLOGY = 5, REPLY_WITH = 6, CONVERSATION = 8, LAYER = 10 };
     const struct fact *f = mail->type == FACT_ADDRESS ? mail->value : NULL;
-    if (!f || f->whichDeftemplate != m->inputs->mail || !mu_name_valid(send_slot(f, FROM))) {
+    if (!f || f->whichDeftemplate != inputs_of(m)->mail || !mu_name_valid(send_slot(f, FROM))) {
         return false;
     }
     const struct field *layer = &f->theProposition.theFields[LAYER];
@@ -318,7 +318,7 @@ static bool reply_to_fact(const struct mind *m, const DATA_OBJECT *mail, struct 
 static bool reply_to_handled(const struct mind *m, const DATA_OBJECT *mail,
                              struct mind_letter *letter)
 {
-    const struct mind_mail *handled = m->output->handled;
+    const struct mind_mail *handled = output_of(m)->handled;
     if (!handled || mail->type != INTEGER ||
         (uint64_t)((const struct integerHashNode *)mail->value)->contents != handled->id) {
         return false;
@@ -391,7 +391,7 @@ void send_you_do(void *env, DATA_OBJECT *out)
         snprintf(group, sizeof group, "group:%s", letter.dst);
         letter.dst = group;
     }
-    mu_text_init(&line, m->inputs->scratch, MU_CONTENT_MAX);
+    mu_text_init(&line, inputs_of(m)->scratch, MU_CONTENT_MAX);
     mu_text_add(&line, "(");
     if (!send_content(env, "you-do", &fields, &line)) {
         return;

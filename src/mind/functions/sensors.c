@@ -9,34 +9,34 @@ void sensors_position(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
     double values[6];
-    if (!m->inputs->sensed) {
+    if (!inputs_of(m)->sensed) {
         EnvSetMultifieldErrorValue(env, out);
         return;
     }
-    sensors_set_position(&m->inputs->percept, values);
+    sensors_set_position(&inputs_of(m)->percept, values);
     struct multifield *fields = EnvCreateMultifield(env, 7);
     for (size_t i = 0; i < 6; i++) {
         value_set_float(env, fields, i, values[i]);
     }
-    value_set_symbol(env, fields, 6, m->inputs->percept.stalled ? "TRUE" : "FALSE");
+    value_set_symbol(env, fields, 6, inputs_of(m)->percept.stalled ? "TRUE" : "FALSE");
     value_multifield(out, fields);
 }
 
 void sensors_stalled(void *env, DATA_OBJECT *out)
 {
-    value_bool(env, out, environment_mind(env)->inputs->percept.stalled);
+    value_bool(env, out, inputs_of(environment_mind(env))->percept.stalled);
 }
 
 void sensors_sonar(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
-    size_t count = m->inputs->percept.sonar_count;
+    size_t count = inputs_of(m)->percept.sonar_count;
     double ranges_mm[MU_SONARS_MAX];
     long long index;
     value_bool(env, out, false);
     if (EnvRtnArgCount(env) == 0) {
         for (size_t i = 0; i < count; i++) {
-            ranges_mm[i] = (double)m->inputs->percept.sonar_m[i] * 1000;
+            ranges_mm[i] = (double)inputs_of(m)->percept.sonar_m[i] * 1000;
         }
         value_floats(env, out, count, ranges_mm);
         return;
@@ -52,7 +52,7 @@ void sensors_sonar(void *env, DATA_OBJECT *out)
         value_refuse(env, "sonar", "the index of a sonar that the body has, from 0");
         return;
     }
-    value_float(env, out, (double)m->inputs->percept.sonar_m[index] * 1000);
+    value_float(env, out, (double)inputs_of(m)->percept.sonar_m[index] * 1000);
 }
 
 /* Takes the least of an argument, a number or several.  @return false: it holds something else */
@@ -112,7 +112,7 @@ void sensors_list(void *env, DATA_OBJECT *out)
     struct mind *m = environment_mind(env);
     const struct mu_channel *c = GetEnvironmentFunctionContext(env);
     size_t count;
-    const char *elements = mu_channel_list(c, &m->inputs->percept, &count);
+    const char *elements = mu_channel_list(c, &inputs_of(m)->percept, &count);
     int arguments = EnvRtnArgCount(env);
     long long from = 0, to = (long long)count - 1;
     value_bool(env, out, false);
@@ -137,7 +137,7 @@ static void records_give(void *env, size_t number, const bool *picked, DATA_OBJE
     struct mind *m = environment_mind(env);
     const struct mu_channel *c = &mu_channels[number];
     size_t count, wanted = 0, at = 0;
-    const char *record = mu_channel_list(c, &m->inputs->percept, &count);
+    const char *record = mu_channel_list(c, &inputs_of(m)->percept, &count);
     for (size_t i = 0; i < count; i++) {
         wanted += !picked || picked[i];
     }
@@ -153,7 +153,7 @@ static void records_give(void *env, size_t number, const bool *picked, DATA_OBJE
 
 void sensors_camera(void *env, DATA_OBJECT *out)
 {
-    const struct mu_percept *p = &environment_mind(env)->inputs->percept;
+    const struct mu_percept *p = &inputs_of(environment_mind(env))->percept;
     const char *color = NULL;
     bool picked[MU_BLOBS_MAX];
     EnvSetMultifieldErrorValue(env, out);
@@ -175,8 +175,8 @@ void sensors_fiducials(void *env, DATA_OBJECT *out)
 void sensors_gps(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
-    const struct mu_percept *p = &m->inputs->percept;
-    if (!m->inputs->sensed) {
+    const struct mu_percept *p = &inputs_of(m)->percept;
+    if (!inputs_of(m)->sensed) {
         EnvSetMultifieldErrorValue(env, out);
         return;
     }
@@ -187,8 +187,8 @@ void sensors_gps(void *env, DATA_OBJECT *out)
 void sensors_odometer(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
-    const struct mu_percept *p = &m->inputs->percept;
-    if (!m->inputs->sensed) {
+    const struct mu_percept *p = &inputs_of(m)->percept;
+    if (!inputs_of(m)->sensed) {
         EnvSetMultifieldErrorValue(env, out);
         return;
     }
@@ -199,7 +199,7 @@ void sensors_odometer(void *env, DATA_OBJECT *out)
 
 void sensors_bumpers(void *env, DATA_OBJECT *out)
 {
-    uint32_t touched = environment_mind(env)->inputs->percept.bumpers;
+    uint32_t touched = inputs_of(environment_mind(env))->percept.bumpers;
     double directions_deg[32];
     size_t count = 0;
     for (unsigned k = 0; k < 8; k++) {
@@ -214,8 +214,8 @@ void sensors_battery(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
     value_bool(env, out, false);
-    if (m->inputs->sensed && m->inputs->percept.battery_share >= 0) {
-        value_float(env, out, m->inputs->percept.battery_share);
+    if (inputs_of(m)->sensed && inputs_of(m)->percept.battery_share >= 0) {
+        value_float(env, out, inputs_of(m)->percept.battery_share);
     }
 }
 
@@ -249,7 +249,7 @@ void sensors_gripper(void *env, DATA_OBJECT *out)
     struct mind *m = environment_mind(env);
     const char *word;
     if (EnvRtnArgCount(env) == 0) {
-        gripper_state(env, m->inputs->percept.gripper, out);
+        gripper_state(env, inputs_of(m)->percept.gripper, out);
         return;
     }
     value_bool(env, out, false);
@@ -258,9 +258,10 @@ void sensors_gripper(void *env, DATA_OBJECT *out)
     }
     for (size_t i = 0; i < sizeof orders / sizeof orders[0]; i++) {
         if (strcmp(word, orders[i].word) == 0) {
-            m->output->act.paddles = orders[i].paddles ? orders[i].paddles : m->output->act.paddles;
-            m->output->act.lift = orders[i].lift ? orders[i].lift : m->output->act.lift;
-            value_bool(env, out, m->inputs->percept.gripper & MU_GRIPPER_THERE);
+            output_of(m)->act.paddles =
+                orders[i].paddles ? orders[i].paddles : output_of(m)->act.paddles;
+            output_of(m)->act.lift = orders[i].lift ? orders[i].lift : output_of(m)->act.lift;
+            value_bool(env, out, inputs_of(m)->percept.gripper & MU_GRIPPER_THERE);
             return;
         }
     }

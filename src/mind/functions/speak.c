@@ -30,7 +30,7 @@ static bool speak_reply_by(void *env, int index, size_t offset, struct mind_lett
     if (!value_number(env, "speak", index, &until_s)) {
         return false;
     }
-    double now_s = (double)environment_mind(env)->inputs->percept.time_ns * 1e-9;
+    double now_s = (double)inputs_of(environment_mind(env))->percept.time_ns * 1e-9;
     if (!(until_s > now_s && until_s < now_s + 1e9)) {
         value_refuse(env, "speak", "a time in the future behind reply-by");
         return false;
@@ -164,7 +164,7 @@ void speak_send(void *env, DATA_OBJECT *out)
     if (!letter.dst) {
         return;
     }
-    mu_text_init(&content, environment_mind(env)->inputs->scratch, MU_CONTENT_MAX + 1);
+    mu_text_init(&content, inputs_of(environment_mind(env))->scratch, MU_CONTENT_MAX + 1);
     bool raw = strcmp(letter.language, "clips") != 0 && fields.type == STRING;
     if (raw) { /* a text in another language goes as it is */
         mu_text_add(&content, ValueToString(fields.value));
@@ -193,7 +193,7 @@ void speak_send_layer(void *env, DATA_OBJECT *out)
     if (!mu_performative_answers(letter.performative)) {
         letter.reply_with = send_question(env, question, sizeof question);
     }
-    mu_text_init(&content, environment_mind(env)->inputs->scratch, MU_CONTENT_MAX + 1);
+    mu_text_init(&content, inputs_of(environment_mind(env))->scratch, MU_CONTENT_MAX + 1);
     if (letter.dst && send_content(env, "send-layer", &fields, &content)) {
         letter.content = content.at;
         send_hand(env, &letter, out);

@@ -68,7 +68,7 @@ static const char *const function_speech[] = {
 static struct expr *speech_parse(void *env, struct expr *top, const char *source)
 {
     struct mind *m = environment_mind(env);
-    m->output->rules_speak = m->output->rules_speak || ConstructData(env)->ParsingConstruct;
+    output_of(m)->rules_speak = output_of(m)->rules_speak || ConstructData(env)->ParsingConstruct;
     return function_parse(env, top, source);
 }
 

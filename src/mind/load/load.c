@@ -18,24 +18,22 @@ static void load_note_error(void *env, const char *file, const char *warning, co
     (void)file;
     (void)warning;
     struct mind *m = environment_mind(env);
-    if (error && m->loader->error_line == 0) {
-        m->loader->error_line = line;
+    if (error && loader_of(m)->error_line == 0) {
+        loader_of(m)->error_line = line;
     }
 }
 
 void load_install(struct mind *m)
 {
-    m->loader->text_used = m->loader->files_deep = 0;
     EnvSetParserErrorCallback(m->env, load_note_error);
     source_lines_install(m);
 }
 
 void load_reserve(struct mind *m)
 {
-    m->loader = mu_startup_alloc(sizeof *m->loader);
-    m->loader->text = mu_startup_alloc(LOAD_TEXT_MAX);
+    loader_of(m)->text = mu_startup_alloc(LOAD_TEXT_MAX);
     source_lines_reserve(m);
-    m->loader->form = mu_startup_alloc(LOAD_FILE_MAX);
+    loader_of(m)->form = mu_startup_alloc(LOAD_FILE_MAX);
 }
 
 /* Reads a file onto the stack of texts. */
@@ -46,8 +44,8 @@ static mu_result load_read(struct mind *m, const char *path, const char **text,
     if (!f) {
         return mu_fault_at(fault, path, 0, 0, "cannot be opened: %s", strerror(errno));
     }
-    char *to = m->loader->text + m->loader->text_used;
-    size_t room = LOAD_TEXT_MAX - m->loader->text_used;
+    char *to = loader_of(m)->text + loader_of(m)->text_used;
+    size_t room = LOAD_TEXT_MAX - loader_of(m)->text_used;
     size_t len = fread(to, 1, room, f);
     bool failed = ferror(f);
     fclose(f);
@@ -61,7 +59,7 @@ static mu_result load_read(struct mind *m, const char *path, const char **text,
     if (strlen(to) != len) {
         return mu_fault_at(fault, path, 0, 0, "is no text: it holds a zero byte");
     }
-    m->loader->text_used += len + 1;
+    loader_of(m)->text_used += len + 1;
     *text = to;
     return MU_OK;
 }
@@ -91,12 +89,12 @@ mu_result load_construct(struct mind *m, const char *path, struct syntax_form f,
                          struct mu_fault *fault)
 {
     struct mu_text form;
-    mu_text_init(&form, m->loader->form, LOAD_FILE_MAX);
+    mu_text_init(&form, loader_of(m)->form, LOAD_FILE_MAX);
     syntax_rewrite(&form, f.at, f.len);
     if (form.cut) {
         return mu_fault_at(fault, path, f.line, 0, "this form is too long");
     }
-    m->loader->error_line = 0;
+    loader_of(m)->error_line = 0;
     environment_begin(m);
     budget_start(m, 0);
     OpenTextSource(m->env, "mu-load", form.at, 0, form.len);
@@ -107,7 +105,7 @@ mu_result load_construct(struct mind *m, const char *path, struct syntax_form f,
     if (environment_end(m) || loaded != 1) {
         char said[MU_FAULT_TEXT_MAX + 1];
         load_said(m, said, sizeof said);
-        int line = f.line + (m->loader->error_line > 1 ? (int)m->loader->error_line - 1 : 0);
+        int line = f.line + (loader_of(m)->error_line > 1 ? (int)loader_of(m)->error_line - 1 : 0);
         return mu_fault_at(fault, path, line, 0, "%s",
                            said[0] ? said : "CLIPS does not accept this form");
     }
@@ -193,8 +191,8 @@ static bool load_is_open(const struct mind *m, const char *path)
     if (!realpath(path, real)) {
         return false;
     }
-    for (size_t i = 0; i < m->loader->files_deep; i++) {
-        if (realpath(m->loader->files[i], other) && strcmp(real, other) == 0) {
+    for (size_t i = 0; i < loader_of(m)->files_deep; i++) {
+        if (realpath(loader_of(m)->files[i], other) && strcmp(real, other) == 0) {
             return true;
         }
     }
@@ -217,7 +215,7 @@ static mu_result load_extends(struct mind *m, const char *from, int line, const 
         return mu_fault_at(fault, from, line, 0, "extends \"%s\": the files extend each other",
                            name);
     }
-    if (m->loader->files_deep == LOAD_DEEP_MAX) {
+    if (loader_of(m)->files_deep == LOAD_DEEP_MAX) {
         return mu_fault_at(fault, from, line, 0, "extends \"%s\": more than %d files deep", name,
                            LOAD_DEEP_MAX);
     }
@@ -281,7 +279,7 @@ mu_result load_text(struct mind *m, const char *path, const char *at, struct mu_
 {
     int line = 1;
     mu_result r = MU_OK;
-    m->loader->files[m->loader->files_deep++] = path;
+    loader_of(m)->files[loader_of(m)->files_deep++] = path;
     while (r == MU_OK) {
         struct syntax_form f = syntax_read_form(&at, &line);
         if (f.kind == SYNTAX_FORM_END) {
@@ -289,17 +287,17 @@ mu_result load_text(struct mind *m, const char *path, const char *at, struct mu_
         }
         r = load_form(m, path, f, fault);
     }
-    m->loader->files_deep--;
+    loader_of(m)->files_deep--;
     return r;
 }
 
 mu_result load_file(struct mind *m, const char *path, struct mu_fault *fault)
 {
     const char *at;
-    size_t used = m->loader->text_used;
+    size_t used = loader_of(m)->text_used;
     mu_result r = load_read(m, path, &at, fault);
     r = r == MU_OK ? load_text(m, path, at, fault) : r;
-    m->loader->text_used = used;
+    loader_of(m)->text_used = used;
     return r;
 }
 

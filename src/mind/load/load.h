@@ -13,14 +13,21 @@ enum {
     LOAD_DEEP_MAX = 16,      /* files that extend each other */
 };
 
+/* A mind with what it loads rules with. */
 struct mind_loader {
-    char *text; /* a stack of the files being read */
+    struct mind_output output; /* first */
+    char *text;                /* a stack of the files being read */
     size_t text_used;
     char *form; /* one form, rewritten */
     const char *files[LOAD_DEEP_MAX];
     size_t files_deep;
     long error_line;
 };
+
+static inline struct mind_loader *loader_of(const struct mind *m)
+{
+    return (struct mind_loader *)(uintptr_t)m;
+}
 
 /** Takes memory while the process starts. */
 void load_reserve(struct mind *m);

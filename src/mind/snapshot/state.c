@@ -111,7 +111,7 @@ static bool field_load(struct snapshot *c, const struct mu_field *f, char *eleme
 static void list_save(struct mind *m, struct mu_text *out, const struct mu_channel *c)
 {
     size_t count;
-    const char *element = mu_channel_list(c, &m->inputs->percept, &count);
+    const char *element = mu_channel_list(c, &inputs_of(m)->percept, &count);
     if (c->plain) {
         floats_save(out, c->fact, (const float *)(const void *)element, count);
         return;
@@ -146,19 +146,19 @@ static bool lists_load(struct snapshot *c)
     bool good = true;
     for (size_t i = 0; i < MU_CHANNEL_COUNT && good; i++) {
         const struct mu_channel *channel = &mu_channels[i];
-        void *elements = c->mind->inputs->lists[i].elements;
+        void *elements = inputs_of(c->mind)->lists[i].elements;
         size_t count = 0;
         good = channel->plain ? floats_load(c, channel->fact, elements, &count, channel->most)
                               : records_load(c, channel, elements, &count);
-        mu_channel_set(channel, &c->mind->inputs->percept, elements, count);
+        mu_channel_set(channel, &inputs_of(c->mind)->percept, elements, count);
     }
     return good;
 }
 
 static void percept_save(struct mind *m, struct mu_text *out)
 {
-    const struct mu_percept *p = &m->inputs->percept;
-    mu_text_format(out, "percept %d %llu %d %u %u", m->inputs->sensed,
+    const struct mu_percept *p = &inputs_of(m)->percept;
+    mu_text_format(out, "percept %d %llu %d %u %u", inputs_of(m)->sensed,
                    (unsigned long long)p->time_ns, p->stalled, p->bumpers, p->gripper);
     for (size_t i = 0; i < MU_READING_COUNT; i++) {
         if (mu_readings[i].type == MU_FIELD_double) {
@@ -169,10 +169,11 @@ static void percept_save(struct mind *m, struct mu_text *out)
     for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
         list_save(m, out, &mu_channels[i]);
     }
-    mu_text_format(out, "percept-facts %d %lld", m->inputs->ring_unseen, m->inputs->ring_number);
-    facts_save(m, out, &m->inputs->position_fact, 1);
+    mu_text_format(out, "percept-facts %d %lld", inputs_of(m)->ring_unseen,
+                   inputs_of(m)->ring_number);
+    facts_save(m, out, &inputs_of(m)->position_fact, 1);
     for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
-        facts_save(m, out, m->inputs->lists[i].facts, percept_fact_count(m, i));
+        facts_save(m, out, inputs_of(m)->lists[i].facts, percept_fact_count(m, i));
     }
     mu_text_add(out, "\n");
 }
@@ -191,12 +192,12 @@ static bool percept_line_load(struct snapshot *c)
     if (!good || !snapshot_end(c)) {
         return false;
     }
-    c->mind->inputs->sensed = n[0] != 0;
+    inputs_of(c->mind)->sensed = n[0] != 0;
     p.time_ns = n[1];
     p.stalled = n[2] != 0;
     p.bumpers = (uint32_t)n[3];
     p.gripper = (uint32_t)n[4];
-    c->mind->inputs->percept = p;
+    inputs_of(c->mind)->percept = p;
     return true;
 }
 
@@ -205,13 +206,13 @@ static bool percept_load(struct snapshot *c)
     struct mind *m = c->mind;
     uint64_t unseen;
     if (!percept_line_load(c) || !lists_load(c) || !snapshot_line(c, "percept-facts") ||
-        !snapshot_count(c, &unseen) || !snapshot_whole(c, &m->inputs->ring_number)) {
+        !snapshot_count(c, &unseen) || !snapshot_whole(c, &inputs_of(m)->ring_number)) {
         return false;
     }
-    m->inputs->ring_unseen = unseen != 0;
-    bool good = fact_load(c, &m->inputs->position_fact);
+    inputs_of(m)->ring_unseen = unseen != 0;
+    bool good = fact_load(c, &inputs_of(m)->position_fact);
     for (size_t i = 0; i < MU_CHANNEL_COUNT && good && snapshot_more(c); i++) {
-        good = facts_load(c, m->inputs->lists[i].facts, percept_fact_count(m, i));
+        good = facts_load(c, inputs_of(m)->lists[i].facts, percept_fact_count(m, i));
     }
     return good && snapshot_end(c);
 }
@@ -220,7 +221,7 @@ static bool percept_load(struct snapshot *c)
 
 static void mail_save(struct mind *m, struct mu_text *out)
 {
-    const struct messages *all = m->inputs->messages;
+    const struct messages *all = inputs_of(m)->messages;
     for (uint16_t i = all->oldest; i; i = all->at[i].newer) {
         const struct message *e = &all->at[i];
         mu_text_format(out, "message %lld %llu %llu", snapshot_index(m, e->fact),
@@ -231,12 +232,12 @@ static void mail_save(struct mind *m, struct mu_text *out)
         }
         mu_text_add(out, "\n");
     }
-    for (size_t i = 0; i < m->inputs->mail_count; i++) {
-        if (EnvFactExistp(m->env, m->inputs->mails[i])) {
-            mu_text_format(out, "mail %lld\n", m->inputs->mails[i]->factIndex);
+    for (size_t i = 0; i < inputs_of(m)->mail_count; i++) {
+        if (EnvFactExistp(m->env, inputs_of(m)->mails[i])) {
+            mu_text_format(out, "mail %lld\n", inputs_of(m)->mails[i]->factIndex);
         }
     }
-    const struct mail_ring *p = m->inputs->mail_ring;
+    const struct mail_ring *p = inputs_of(m)->mail_ring;
     for (uint32_t i = 0; i < p->count; i++) {
         const struct mail_ring_entry *mail = &p->mails[(p->first + i) % MAIL_RING_MAX];
         mu_text_format(out, "parked %llu %d", (unsigned long long)mail->id, mail->clips);
@@ -269,10 +270,10 @@ static bool mail_fact_load(struct snapshot *c)
 {
     struct mind *m = c->mind;
     struct fact *f;
-    if (m->inputs->mail_count == MAILBOX_MAX || !fact_load(c, &f) || !f) {
+    if (inputs_of(m)->mail_count == MAILBOX_MAX || !fact_load(c, &f) || !f) {
         return false;
     }
-    m->inputs->mails[m->inputs->mail_count++] = f;
+    inputs_of(m)->mails[inputs_of(m)->mail_count++] = f;
     return snapshot_end(c);
 }
 
@@ -311,15 +312,15 @@ static void life_save(struct mind *m, struct mu_text *out)
 {
     mu_text_add(out, "events");
     for (size_t i = 0; i < MU_EVENTS; i++) {
-        mu_text_format(out, " %d", m->inputs->pending[i]);
+        mu_text_format(out, " %d", inputs_of(m)->pending[i]);
     }
-    facts_save(m, out, m->inputs->events, MU_EVENTS);
-    mu_text_format(out, "\nrefused %zu", m->inputs->refused_next);
-    facts_save(m, out, m->inputs->refused, EVENTS_REFUSED_MAX);
+    facts_save(m, out, inputs_of(m)->events, MU_EVENTS);
+    mu_text_format(out, "\nrefused %zu", inputs_of(m)->refused_next);
+    facts_save(m, out, inputs_of(m)->refused, EVENTS_REFUSED_MAX);
     mu_text_add(out, "\n");
-    for (size_t i = 0; i < m->output->handler_count; i++) {
-        mu_text_format(out, "handler %u", m->output->handlers[i].layer);
-        snapshot_add_word(out, ValueToString(m->output->handlers[i].function));
+    for (size_t i = 0; i < output_of(m)->handler_count; i++) {
+        mu_text_format(out, "handler %u", output_of(m)->handlers[i].layer);
+        snapshot_add_word(out, ValueToString(output_of(m)->handlers[i].function));
         mu_text_add(out, "\n");
     }
 }
@@ -338,12 +339,12 @@ static bool life_load(struct snapshot *c)
     bool good = snapshot_line(c, "events");
     for (size_t i = 0; i < MU_EVENTS && good; i++) {
         good = snapshot_count(c, &number);
-        m->inputs->pending[i] = good && number != 0;
+        inputs_of(m)->pending[i] = good && number != 0;
     }
-    good = good && facts_load(c, m->inputs->events, MU_EVENTS) && snapshot_end(c) &&
+    good = good && facts_load(c, inputs_of(m)->events, MU_EVENTS) && snapshot_end(c) &&
            snapshot_line(c, "refused") && snapshot_count(c, &number);
-    m->inputs->refused_next = good ? number % EVENTS_REFUSED_MAX : 0;
-    good = good && facts_load(c, m->inputs->refused, EVENTS_REFUSED_MAX) && snapshot_end(c);
+    inputs_of(m)->refused_next = good ? number % EVENTS_REFUSED_MAX : 0;
+    good = good && facts_load(c, inputs_of(m)->refused, EVENTS_REFUSED_MAX) && snapshot_end(c);
     while (good && snapshot_line(c, "handler")) {
         good = handler_load(c);
     }
@@ -355,10 +356,10 @@ enum { STATE_NUMBERS = 7 };
 void snapshot_save_state(struct mind *m, struct mu_text *out)
 {
     mu_text_format(out, "mind %llu %llu %llu %u %d %d %u\n",
-                   (unsigned long long)m->output->random.state,
-                   (unsigned long long)m->output->asked, (unsigned long long)m->inputs->step,
-                   m->inputs->senses_named, m->inputs->rules_getmsg, (int)m->output->wish,
-                   m->output->wish_rules);
+                   (unsigned long long)output_of(m)->random.state,
+                   (unsigned long long)output_of(m)->asked, (unsigned long long)inputs_of(m)->step,
+                   inputs_of(m)->senses_named, inputs_of(m)->rules_getmsg, (int)output_of(m)->wish,
+                   output_of(m)->wish_rules);
     percept_save(m, out);
     mail_save(m, out);
     life_save(m, out);
@@ -373,13 +374,13 @@ mu_result snapshot_load_state(struct snapshot *c)
     if (!counts_load(c, "mind", n, STATE_NUMBERS) || n[5] > MIND_WISH_SUSPEND) {
         return snapshot_wrong(c, "the numbers of the mind");
     }
-    m->output->random.state = n[0];
-    m->output->asked = n[1];
-    m->inputs->step = n[2];
-    m->inputs->senses_named |= (uint32_t)n[3];
-    m->inputs->rules_getmsg = m->inputs->rules_getmsg || n[4] != 0;
-    m->output->wish = (enum mind_wish)n[5];
-    m->output->wish_rules = (uint32_t)n[6];
+    output_of(m)->random.state = n[0];
+    output_of(m)->asked = n[1];
+    inputs_of(m)->step = n[2];
+    inputs_of(m)->senses_named |= (uint32_t)n[3];
+    inputs_of(m)->rules_getmsg = inputs_of(m)->rules_getmsg || n[4] != 0;
+    output_of(m)->wish = (enum mind_wish)n[5];
+    output_of(m)->wish_rules = (uint32_t)n[6];
     if (!percept_load(c)) {
         return snapshot_wrong(c, "what the mind has sensed");
     }

@@ -60,8 +60,8 @@ void snapshot_save_watch(struct mind *m, struct mu_text *out)
     for (size_t i = 0; i < ITEMS; i++) {
         mu_text_format(out, " %d", is_watched(m, items[i]));
     }
-    mu_text_format(out, " %d", m->output->passes);
-    snapshot_add_word(out, m->output->stands);
+    mu_text_format(out, " %d", output_of(m)->passes);
+    snapshot_add_word(out, output_of(m)->stands);
     mu_text_add(out, "\n");
     environment_each_module(m, out, module_save);
 }
@@ -128,9 +128,10 @@ static bool items_load(struct snapshot *c)
             (void)EnvWatch(c->mind->env, items[i]);
         }
     }
-    bool good = snapshot_count(c, &on) && snapshot_word(c) &&
-                mu_text_copy(c->mind->output->stands, sizeof c->mind->output->stands, c->word);
-    c->mind->output->passes = on != 0;
+    bool good =
+        snapshot_count(c, &on) && snapshot_word(c) &&
+        mu_text_copy(output_of(c->mind)->stands, sizeof output_of(c->mind)->stands, c->word);
+    output_of(c->mind)->passes = on != 0;
     return good && snapshot_end(c);
 }
 

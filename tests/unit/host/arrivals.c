@@ -404,12 +404,12 @@ static void test_the_file_of_who_was_there_before_goes(void)
     mover_write("ruby", 1);
     struct robot *r = take();
     CU_ASSERT_PTR_NOT_NULL_FATAL(r);
-    CU_ASSERT_TRUE(is_there("ruby.snapshot"));
+    CU_ASSERT_TRUE(is_there("ruby.capsule"));
     group_process_drop(r);
     mover_write("rosa", 1); /* in the same breath, and in the same place */
     CU_ASSERT_PTR_EQUAL(take(), r);
-    CU_ASSERT_FALSE(is_there("ruby.snapshot"));
-    CU_ASSERT_TRUE(is_there("rosa.snapshot"));
+    CU_ASSERT_FALSE(is_there("ruby.capsule"));
+    CU_ASSERT_TRUE(is_there("rosa.capsule"));
 }
 
 static void test_who_began_here_and_is_refused_does_not_begin_anew(void)
@@ -419,10 +419,10 @@ static void test_who_began_here_and_is_refused_does_not_begin_anew(void)
     mover_write("red", 1);
     struct robot *r = take();
     CU_ASSERT_PTR_NOT_NULL_FATAL(r);
-    CU_ASSERT_TRUE(is_there("red.snapshot"));
+    CU_ASSERT_TRUE(is_there("red.capsule"));
     lifecycle_on_registered(r, r->agent, false, "held");
     checkpoint_forget(&host->group);
-    CU_ASSERT_FALSE(is_there("red.snapshot"));
+    CU_ASSERT_FALSE(is_there("red.capsule"));
     CU_ASSERT_TRUE(is_there("red.gone"));
 }
 
@@ -438,7 +438,7 @@ static void test_who_comes_back_in_vain_loses_its_file(void)
     CU_ASSERT_TRUE_FATAL(robot_state_arrives(r->state));
     lifecycle_on_registered(r, r->agent, false, "held");
     checkpoint_forget(&host->group);
-    CU_ASSERT_FALSE(is_there("ruby.snapshot"));
+    CU_ASSERT_FALSE(is_there("ruby.capsule"));
     CU_ASSERT_FALSE(is_there("ruby.gone"));
 }
 
