@@ -58,9 +58,10 @@ SHARED = {"broker/control/parts.h"}
 # Code that still reaches into a struct of a higher floor.
 REACHES_UP = {("src/broker/mail/posting.c", "circulars")}
 # Modules with floors that are being put in order: `tools/tidy.py --floors` lists what is left.
-UNFINISHED = {"mind"}
+UNFINISHED = set()
 # Circles of files that later work cures, by module: the sizes may shrink, and never grow.
 CIRCLES = {
+    "mind": [5],
     "ctl": [10, 3, 2],
     "experiment": [8],
     "report": [6],
