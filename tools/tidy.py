@@ -130,7 +130,7 @@ def check_functions(path, text, lines, module):
             bad(path, at, f"{m[1]}: more than {PARAMETERS_MAX} parameters")
         shared = module and path.name != "main.c" and not m[0].startswith("static")
         stem = path.stem.split("_")[0]
-        prefixes = ("mu_", stem, "__", "LLVM", *path.relative_to(ROOT).parts[1:-1]) + (("clips_",) if module == "mind" else ())
+        prefixes = ("mu_", stem, "__", "LLVM", *path.relative_to(ROOT).parts[1:-1])
         if shared and not m[1].startswith(prefixes) and not (path.parent.name == "faults" and m[1] in {"bind", "sendmsg"}):
             bad(path, at, f"{m[1]}: a shared name starts with mu_, {stem}_ or its folder")
 
