@@ -79,82 +79,82 @@ static mu_agent *envoy(struct group_process *g)
 
 /* Tells the asker, if there is one, how the migration ended.  In lock step no envoy joins: a
  * success is told by the target host, a failure by the agent itself if it has no host. */
-static void migration_tell(const struct migration *t, struct robot *r, bool done, const char *text)
+static void migration_tell(const struct migration *m, struct robot *r, bool done, const char *text)
 {
     struct group_process *g = r->group;
     bool lockstep = mu_process_in_lockstep(g->process);
-    if (!t->reply_with[0] || (lockstep && done)) {
+    if (!m->reply_with[0] || (lockstep && done)) {
         return;
     }
     mu_agent *speaker = lockstep && !g->envoy ? r->agent : envoy(g);
-    struct mu_mail mail = {.dst = t->asker,
+    struct mu_mail mail = {.dst = m->asker,
                            .performative = done ? "inform" : "failure",
-                           .in_reply_to = t->reply_with,
+                           .in_reply_to = m->reply_with,
                            .content = text};
     if (speaker && mu_agent_send(speaker, &mail, NULL) != MU_OK) {
-        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", t->asker);
+        mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", m->asker);
     }
 }
 
-static void enter(struct migration *t, enum migration_event event)
+static void enter(struct migration *m, enum migration_event event)
 {
-    migration_state_enter(&t->state, t->purpose, event);
+    migration_state_enter(&m->state, m->purpose, event);
 }
 
 /* --- how it ends ------------------------------------------------------------------------------ */
 
-static const char *verb_of(const struct migration *t)
+static const char *verb_of(const struct migration *m)
 {
-    return t->purpose == MIGRATION_MOVE ? "moveTo" : "clone";
+    return m->purpose == MIGRATION_MOVE ? "moveTo" : "clone";
 }
 
-static void migration_end(struct migration *t, enum migration_event event, bool done,
+static void migration_end(struct migration *m, enum migration_event event, bool done,
                           const char *text)
 {
-    struct robot *r = t->robot;
-    enter(t, event);
-    MU_ASSERT(t->state == MIGRATION_STAYS);
-    t->robot = NULL;
+    struct robot *r = m->robot;
+    enter(m, event);
+    MU_ASSERT(m->state == MIGRATION_STAYS);
+    m->robot = NULL;
     r->migration = NULL;
     under_way_tell(r->group);
     mu_log(done ? MU_LOG_INFO : MU_LOG_WARNING, done ? "trip-done" : "trip-refused",
-           "name=%s to=%s %s", r->name, t->host, text);
-    migration_tell(t, r, done, text);
+           "name=%s to=%s %s", r->name, m->host, text);
+    migration_tell(m, r, done, text);
 }
 
 /* The agent goes on here, and its rules hear why. */
-static void migration_fail(struct migration *t, enum migration_event event, const char *reason)
+static void migration_fail(struct migration *m, enum migration_event event, const char *reason)
 {
-    struct robot *r = t->robot;
+    struct robot *r = m->robot;
     char change[2 * MU_NAME_MAX], said[MU_FIELD_MAX + MU_NAME_MAX + 16];
-    snprintf(change, sizeof change, "%s %s", verb_of(t),
-             t->purpose == MIGRATION_MOVE ? t->host : t->name);
+    snprintf(change, sizeof change, "%s %s", verb_of(m),
+             m->purpose == MIGRATION_MOVE ? m->host : m->name);
     snprintf(said, sizeof said, "%s %.63s", r->name, reason);
     mind_refused(r->mind, change, reason);
-    bool deposited = t->state == MIGRATION_DEPOSITED && t->purpose == MIGRATION_MOVE;
-    migration_end(t, event, false, said);
+    bool deposited = m->state == MIGRATION_DEPOSITED && m->purpose == MIGRATION_MOVE;
+    migration_end(m, event, false, said);
     if (deposited) { /* the broker's copy is one epoch ahead */
         mu_agent_set_out(r->agent);
         mu_agent_set_out(r->agent);
     }
-    if (t->purpose == MIGRATION_MOVE && mu_agent_state(r->agent) == MU_MOVING) {
+    if (m->purpose == MIGRATION_MOVE && mu_agent_state(r->agent) == MU_MOVING) {
         mu_agent_set_out(r->agent); /* the host may have a copy */
-        mu_agent_set_state(r->agent, t->was);
+        mu_agent_set_state(r->agent, m->was);
     }
 }
 
 static const char *objection(struct robot *r, const struct mind_travel *w, const char *host)
 {
     struct group_process *g = r->group;
-    const struct mu_member *m = mu_process_lookup(g->process, host);
+    const struct mu_member *member = mu_process_lookup(g->process, host);
     const struct mu_member *taken = mu_process_lookup(g->process, w->name);
     if (r->migration || !migration_find_free(g)) {
         return "busy";
     }
-    if (!host[0] || !m || m->kind != MU_KIND_HOST) {
+    if (!host[0] || !member || member->kind != MU_KIND_HOST) {
         return "unknown-host";
     }
-    if (m->state == MU_GONE) {
+    if (member->state == MU_GONE) {
         return "host-absent";
     }
     if (w->kind == MIND_MOVES && strcmp(host, g->host) == 0) {
@@ -166,121 +166,121 @@ static const char *objection(struct robot *r, const struct mind_travel *w, const
 static void migration_fill(struct robot *r, const struct mind_travel *w, const char *host,
                            const struct mu_mail *asked)
 {
-    struct migration *t = migration_find_free(r->group);
-    t->robot = r;
-    r->migration = t;
-    t->purpose = w->kind == MIND_CLONES ? MIGRATION_CLONE : MIGRATION_MOVE;
-    t->was = mu_agent_state(r->agent);
-    t->passage = (struct mu_passage){.epoch = 0};
-    t->sent = t->piece = 0;
-    t->until_ns = mu_clock_ns() + SETTLE_NS;
-    snprintf(t->id, sizeof t->id, "trip-%llx-%llu",
+    struct migration *m = migration_find_free(r->group);
+    m->robot = r;
+    r->migration = m;
+    m->purpose = w->kind == MIND_CLONES ? MIGRATION_CLONE : MIGRATION_MOVE;
+    m->was = mu_agent_state(r->agent);
+    m->passage = (struct mu_passage){.epoch = 0};
+    m->sent = m->piece = 0;
+    m->until_ns = mu_clock_ns() + SETTLE_NS;
+    snprintf(m->id, sizeof m->id, "trip-%llx-%llu",
              (unsigned long long)(mu_clock_wall_ns() / 1000u),
              (unsigned long long)++r->group->migrations_begun);
-    (void)mu_text_copy(t->host, sizeof t->host, host);
-    (void)mu_text_copy(t->name, sizeof t->name, w->name);
-    (void)mu_text_copy(t->asker, sizeof t->asker, asked ? asked->src : "");
-    (void)mu_text_copy(t->reply_with, sizeof t->reply_with, asked ? asked->reply_with : "");
+    (void)mu_text_copy(m->host, sizeof m->host, host);
+    (void)mu_text_copy(m->name, sizeof m->name, w->name);
+    (void)mu_text_copy(m->asker, sizeof m->asker, asked ? asked->src : "");
+    (void)mu_text_copy(m->reply_with, sizeof m->reply_with, asked ? asked->reply_with : "");
 }
 
 /* Gives the snapshot to the broker. */
-static mu_result snapshot_deposit(struct migration *t)
+static mu_result snapshot_deposit(struct migration *m)
 {
-    struct robot *r = t->robot;
+    struct robot *r = m->robot;
     static char nobody[1];
-    bool moves = t->purpose == MIGRATION_MOVE;
+    bool moves = m->purpose == MIGRATION_MOVE;
     muster_Trip word = {.word = moves ? muster_TRIP_DEPOSIT : muster_TRIP_NEW,
-                        .agent = moves ? r->name : t->name,
+                        .agent = moves ? r->name : m->name,
                         .asker = moves ? nobody : r->name,
-                        .state = (muster_State)t->was,
-                        .epoch = moves ? t->passage.epoch : 0,
-                        .host = t->host,
-                        .text = t->text.at};
+                        .state = (muster_State)m->was,
+                        .epoch = moves ? m->passage.epoch : 0,
+                        .host = m->host,
+                        .text = m->text.at};
     return trips_say(r->group->process, &word);
 }
 
 /* In lock step the target host answers for an agent that has arrived. */
-static void asker_pass(const struct migration *t, struct snapshot_header *p)
+static void asker_pass(const struct migration *m, struct snapshot_header *p)
 {
-    if (t->reply_with[0] && mu_process_in_lockstep(t->robot->group->process)) {
-        (void)mu_text_copy(p->asker, sizeof p->asker, t->asker);
-        (void)mu_text_copy(p->reply_with, sizeof p->reply_with, t->reply_with);
+    if (m->reply_with[0] && mu_process_in_lockstep(m->robot->group->process)) {
+        (void)mu_text_copy(p->asker, sizeof p->asker, m->asker);
+        (void)mu_text_copy(p->reply_with, sizeof p->reply_with, m->reply_with);
     }
 }
 
 /* --- departure -------------------------------------------------------------------------------- */
 
 /* Writes the agent as it is now; the host's copy is one epoch ahead. */
-static const char *departure_write(struct migration *t, struct mu_fault *fault)
+static const char *departure_write(struct migration *m, struct mu_fault *fault)
 {
-    struct robot *r = t->robot;
-    t->was = mu_agent_state(r->agent);
-    t->passage = mu_agent_passage(r->agent);
-    t->passage.epoch++;
+    struct robot *r = m->robot;
+    m->was = mu_agent_state(r->agent);
+    m->passage = mu_agent_passage(r->agent);
+    m->passage.epoch++;
     struct snapshot_header p = {.purpose = MIGRATION_MOVE,
-                                .state = t->was,
-                                .passage = t->passage,
+                                .state = m->was,
+                                .passage = m->passage,
                                 .mails = r->mails,
                                 .rules_left = r->rules_left};
     (void)mu_text_copy(p.name, sizeof p.name, r->name);
-    asker_pass(t, &p);
-    return agent_write(r, &p, &t->text, fault);
+    asker_pass(m, &p);
+    return agent_write(r, &p, &m->text, fault);
 }
 
 /* Writes a copy; the agent itself stays as it is. */
-static const char *copy_write(struct migration *t, struct mu_fault *fault)
+static const char *copy_write(struct migration *m, struct mu_fault *fault)
 {
-    t->was = mu_agent_state(t->robot->agent);
+    m->was = mu_agent_state(m->robot->agent);
     struct snapshot_header p = {
-        .purpose = MIGRATION_CLONE, .state = t->was, .mails = t->robot->mails};
-    (void)mu_text_copy(p.name, sizeof p.name, t->name);
-    asker_pass(t, &p);
-    return agent_write(t->robot, &p, &t->text, fault);
+        .purpose = MIGRATION_CLONE, .state = m->was, .mails = m->robot->mails};
+    (void)mu_text_copy(p.name, sizeof p.name, m->name);
+    asker_pass(m, &p);
+    return agent_write(m->robot, &p, &m->text, fault);
 }
 
 /* One answer to a step carries a few large snapshots; the rest go with the next. */
-static void deposit(struct migration *t, const char *objection)
+static void deposit(struct migration *m, const char *objection)
 {
-    size_t waiting = trips_bytes(t->robot->group->process);
-    if (!objection && waiting > 0 && waiting + t->text.len > MIGRATION_ANSWER_MAX) {
+    size_t waiting = trips_bytes(m->robot->group->process);
+    if (!objection && waiting > 0 && waiting + m->text.len > MIGRATION_ANSWER_MAX) {
         return;
     }
-    if (objection || snapshot_deposit(t) != MU_OK) {
-        migration_fail(t, MIGRATION_FAILS, objection ? objection : "busy");
+    if (objection || snapshot_deposit(m) != MU_OK) {
+        migration_fail(m, MIGRATION_FAILS, objection ? objection : "busy");
         return;
     }
-    enter(t, MIGRATION_DEPOSITS);
+    enter(m, MIGRATION_DEPOSITS);
 }
 
-static void depart(struct migration *t)
+static void depart(struct migration *m)
 {
     struct mu_fault fault;
-    if (t->state == MIGRATION_DEPARTS) {
-        enter(t, MIGRATION_TAKES_LEAVE);
-        kind_event(t->robot->agent, MU_ON_LEAVE);
+    if (m->state == MIGRATION_DEPARTS) {
+        enter(m, MIGRATION_TAKES_LEAVE);
+        kind_event(m->robot->agent, MU_ON_LEAVE);
     }
-    if (!trips_fits_answer(t->robot->agent)) {
+    if (!trips_fits_answer(m->robot->agent)) {
         return; /* its last words need one more step */
     }
-    deposit(t, departure_write(t, &fault));
+    deposit(m, departure_write(m, &fault));
 }
 
 /* Sets out, unless the agent has gone or its mail needs another step. */
-static void set_out(struct migration *t)
+static void set_out(struct migration *m)
 {
-    if (t->robot->state == ROBOT_VACANT || mu_agent_state(t->robot->agent) == MU_GONE) {
-        migration_end(t, MIGRATION_GONE, false, "gone");
-    } else if (t->purpose == MIGRATION_CLONE) {
+    if (m->robot->state == ROBOT_VACANT || mu_agent_state(m->robot->agent) == MU_GONE) {
+        migration_end(m, MIGRATION_GONE, false, "gone");
+    } else if (m->purpose == MIGRATION_CLONE) {
         struct mu_fault fault;
-        deposit(t, copy_write(t, &fault));
-    } else if (t->state == MIGRATION_LAST_WORDS || trips_fits_answer(t->robot->agent)) {
-        depart(t);
+        deposit(m, copy_write(m, &fault));
+    } else if (m->state == MIGRATION_LAST_WORDS || trips_fits_answer(m->robot->agent)) {
+        depart(m);
     }
 }
 
-static bool is_departing(const struct migration *t)
+static bool is_departing(const struct migration *m)
 {
-    return t->state == MIGRATION_DEPARTS || t->state == MIGRATION_LAST_WORDS;
+    return m->state == MIGRATION_DEPARTS || m->state == MIGRATION_LAST_WORDS;
 }
 
 void migration_step_end(struct group_process *g)
@@ -293,62 +293,62 @@ void migration_step_end(struct group_process *g)
 }
 
 /* The snapshot is on its way to the broker, so that the agent stands still. */
-static void stand_still(struct migration *t)
+static void stand_still(struct migration *m)
 {
-    mu_agent_set_out(t->robot->agent);
-    mu_agent_set_state(t->robot->agent, MU_MOVING);
-    enter(t, MIGRATION_STANDS_STILL);
-    t->until_ns = mu_clock_ns() + ANSWER_NS;
-    under_way_tell(t->robot->group);
+    mu_agent_set_out(m->robot->agent);
+    mu_agent_set_state(m->robot->agent, MU_MOVING);
+    enter(m, MIGRATION_STANDS_STILL);
+    m->until_ns = mu_clock_ns() + ANSWER_NS;
+    under_way_tell(m->robot->group);
 }
 
 void migration_step_answered(struct group_process *g)
 {
     for (uint32_t i = 0; i < g->migrations_max && !mu_process_in_lockstep(g->process); i++) {
-        struct migration *t = &g->migrations[i];
-        if (t->state == MIGRATION_DEPOSITED && t->purpose == MIGRATION_MOVE) {
-            stand_still(t);
+        struct migration *m = &g->migrations[i];
+        if (m->state == MIGRATION_DEPOSITED && m->purpose == MIGRATION_MOVE) {
+            stand_still(m);
         }
     }
 }
 
 /* Sets out without waiting for a step, once all mail of the agent is out. */
-static void depart_now(struct migration *t)
+static void depart_now(struct migration *m)
 {
-    struct group_process *g = t->robot->group;
+    struct group_process *g = m->robot->group;
     if (trips_awaits_step(g->process)) {
         return;
     }
-    if (mu_clock_ns() > t->until_ns) {
-        migration_fail(t, MIGRATION_FAILS, "broker-silent");
-    } else if (trips_all_sent(t->robot->agent)) {
-        set_out(t);
+    if (mu_clock_ns() > m->until_ns) {
+        migration_fail(m, MIGRATION_FAILS, "broker-silent");
+    } else if (trips_all_sent(m->robot->agent)) {
+        set_out(m);
         migration_step_answered(g);
     }
 }
 
 /* In lock step the host has the agent or its copy, and answers for it from the next step on. */
-static void departed(struct migration *t)
+static void departed(struct migration *m)
 {
-    struct robot *r = t->robot;
-    if (t->purpose == MIGRATION_CLONE) {
-        migration_end(t, MIGRATION_TAKEN, true, t->name);
+    struct robot *r = m->robot;
+    if (m->purpose == MIGRATION_CLONE) {
+        migration_end(m, MIGRATION_TAKEN, true, m->name);
         return;
     }
     mu_agent_leave(r->agent);
-    migration_end(t, MIGRATION_TAKEN, true, "");
+    migration_end(m, MIGRATION_TAKEN, true, "");
     group_process_drop(r);
 }
 
-static void clone_begin(struct migration *t)
+static void clone_begin(struct migration *m)
 {
     struct mu_fault fault;
-    const char *why = copy_write(t, &fault);
-    enter(t, MIGRATION_BEGINS_APART);
-    t->until_ns = mu_clock_ns() + ANSWER_NS;
-    under_way_tell(t->robot->group);
+    const char *why = copy_write(m, &fault);
+    enter(m, MIGRATION_BEGINS_APART);
+    m->until_ns = mu_clock_ns() + ANSWER_NS;
+    under_way_tell(m->robot->group);
     if (why) {
-        migration_fail(t, MIGRATION_FAILS, why);
+        migration_fail(m, MIGRATION_FAILS, why);
     }
 }
 
@@ -391,208 +391,209 @@ mu_result migration_begin(struct robot *r, const struct mind_travel *w, const st
 /* --- the way ---------------------------------------------------------------------------------- */
 
 /* Sends as many pieces as the outbox takes. */
-static void pieces_send(struct migration *t)
+static void pieces_send(struct migration *m)
 {
     static char content[MU_CONTENT_MAX + 1];
-    mu_agent *speaker = envoy(t->robot->group);
-    while (speaker && t->sent < t->text.len) {
-        size_t bytes = mu_pieces_numbered(content, t->piece, t->text.at, t->text.len, t->sent);
-        struct mu_mail mail = {.dst = t->host,
+    mu_agent *speaker = envoy(m->robot->group);
+    while (speaker && m->sent < m->text.len) {
+        size_t bytes = mu_pieces_numbered(content, m->piece, m->text.at, m->text.len, m->sent);
+        struct mu_mail mail = {.dst = m->host,
                                .layer = MU_LAYER_SYSTEM,
                                .performative = "arrive",
                                .language = "capsule",
-                               .reply_with = t->id,
-                               .conversation = t->id,
+                               .reply_with = m->id,
+                               .conversation = m->id,
                                .content = content};
         if (mu_agent_send(speaker, &mail, NULL) != MU_OK) {
             return; /* full: the rest follows when the broker has answered */
         }
-        t->sent += bytes;
-        t->piece++;
+        m->sent += bytes;
+        m->piece++;
     }
     if (speaker) {
-        enter(t, MIGRATION_SENT);
+        enter(m, MIGRATION_SENT);
     }
 }
 
 /* @return whether the white pages show the agent on the host, and no longer on its way */
-static bool is_there(const struct migration *t)
+static bool is_there(const struct migration *m)
 {
-    const struct mu_member *m = mu_process_lookup(t->robot->group->process, t->robot->name);
-    return m && m->state != MU_GONE && m->state != MU_MOVING && strcmp(m->host, t->host) == 0;
+    const struct mu_member *member = mu_process_lookup(m->robot->group->process, m->robot->name);
+    return member && member->state != MU_GONE && member->state != MU_MOVING &&
+           strcmp(member->host, m->host) == 0;
 }
 
 /* Drops the agent here: the host has it. */
-static void hand_over_end(struct migration *t, enum migration_event event)
+static void hand_over_end(struct migration *m, enum migration_event event)
 {
-    struct robot *r = t->robot;
+    struct robot *r = m->robot;
     char said[2 * MU_NAME_MAX + 16];
-    snprintf(said, sizeof said, "%s at %s", r->name, t->host);
-    migration_end(t, event, true, said);
+    snprintf(said, sizeof said, "%s at %s", r->name, m->host);
+    migration_end(m, event, true, said);
     group_process_drop(r);
 }
 
 /* Asks for the name again: the host did not take the agent. */
-static void hand_over_undo(struct migration *t, enum migration_event event)
+static void hand_over_undo(struct migration *m, enum migration_event event)
 {
-    t->robot->returns_as = t->was;
-    t->passage.epoch++; /* a late copy of the host is out of date then */
-    if (agent_arrive(t->robot, &t->passage, MU_ON_ARRIVE) != MU_OK) {
-        group_process_drop(t->robot);
+    m->robot->returns_as = m->was;
+    m->passage.epoch++; /* a late copy of the host is out of date then */
+    if (agent_arrive(m->robot, &m->passage, MU_ON_ARRIVE) != MU_OK) {
+        group_process_drop(m->robot);
     }
-    migration_end(t, event, false, "the host has gone");
+    migration_end(m, event, false, "the host has gone");
 }
 
-static void hand_over(struct migration *t)
+static void hand_over(struct migration *m)
 {
-    if (is_there(t)) {
-        hand_over_end(t, MIGRATION_SHOWN);
-    } else if (mu_clock_ns() > t->until_ns) {
-        hand_over_undo(t, MIGRATION_FAILS);
+    if (is_there(m)) {
+        hand_over_end(m, MIGRATION_SHOWN);
+    } else if (mu_clock_ns() > m->until_ns) {
+        hand_over_undo(m, MIGRATION_FAILS);
     }
 }
 
-static void answer_await(struct migration *t)
+static void answer_await(struct migration *m)
 {
-    const struct mu_member *m = mu_process_lookup(t->robot->group->process, t->host);
-    if (!m || m->state == MU_GONE) {
-        migration_fail(t, MIGRATION_FAILS, "host-absent");
-    } else if (mu_clock_ns() > t->until_ns) {
-        migration_fail(t, MIGRATION_FAILS, "host-silent");
+    const struct mu_member *member = mu_process_lookup(m->robot->group->process, m->host);
+    if (!member || member->state == MU_GONE) {
+        migration_fail(m, MIGRATION_FAILS, "host-absent");
+    } else if (mu_clock_ns() > m->until_ns) {
+        migration_fail(m, MIGRATION_FAILS, "host-silent");
     }
 }
 
 /* Releases the name when all that was sent has an answer. */
-static void yield(struct migration *t)
+static void yield(struct migration *m)
 {
-    if (mu_agent_is_settled(t->robot->agent)) {
-        enter(t, MIGRATION_SETTLED);
-        t->until_ns = mu_clock_ns() + NAME_NS;
-        mu_agent_leave(t->robot->agent);
-    } else if (mu_clock_ns() > t->until_ns) {
-        migration_fail(t, MIGRATION_FAILS, "broker-silent");
+    if (mu_agent_is_settled(m->robot->agent)) {
+        enter(m, MIGRATION_SETTLED);
+        m->until_ns = mu_clock_ns() + NAME_NS;
+        mu_agent_leave(m->robot->agent);
+    } else if (mu_clock_ns() > m->until_ns) {
+        migration_fail(m, MIGRATION_FAILS, "broker-silent");
     }
 }
 
 /* The host has made its own agent and asks for the name. */
-static void yield_begin(struct migration *t, enum migration_event event)
+static void yield_begin(struct migration *m, enum migration_event event)
 {
-    enter(t, event);
-    t->until_ns = mu_clock_ns() + SETTLE_NS;
-    yield(t);
+    enter(m, event);
+    m->until_ns = mu_clock_ns() + SETTLE_NS;
+    yield(m);
 }
 
-static void copy_end(struct migration *t)
+static void copy_end(struct migration *m)
 {
     char said[2 * MU_NAME_MAX + 16];
-    snprintf(said, sizeof said, "%s at %s", t->name, t->host);
-    migration_end(t, MIGRATION_AGREED, true, said);
+    snprintf(said, sizeof said, "%s at %s", m->name, m->host);
+    migration_end(m, MIGRATION_AGREED, true, said);
 }
 
 /* Pieces go to a host for one agent after the other.  The time for its word begins with the first
  * one.  @return whether another agent's pieces are going there */
-static bool waits_for_another(const struct migration *t)
+static bool waits_for_another(const struct migration *m)
 {
-    const struct group_process *g = t->robot->group;
+    const struct group_process *g = m->robot->group;
     bool waits = false;
-    for (uint32_t i = 0; i < g->migrations_max && t->sent == 0; i++) {
+    for (uint32_t i = 0; i < g->migrations_max && m->sent == 0; i++) {
         const struct migration *other = &g->migrations[i];
         bool sends =
             other->state == MIGRATION_WAITS || (other->state == MIGRATION_SENDS && other->sent > 0);
-        waits = waits || (other != t && sends && strcmp(other->host, t->host) == 0);
+        waits = waits || (other != m && sends && strcmp(other->host, m->host) == 0);
     }
     return waits;
 }
 
-static void send_on(struct migration *t)
+static void send_on(struct migration *m)
 {
-    if (waits_for_another(t)) {
-        t->until_ns = mu_clock_ns() + ANSWER_NS;
+    if (waits_for_another(m)) {
+        m->until_ns = mu_clock_ns() + ANSWER_NS;
     } else {
-        pieces_send(t);
+        pieces_send(m);
     }
-    answer_await(t);
+    answer_await(m);
 }
 
 void migration_round(struct group_process *g)
 {
-    static void (*const go_on[MIGRATION_STATES])(struct migration * t) = {
+    static void (*const go_on[MIGRATION_STATES])(struct migration * m) = {
         [MIGRATION_DEPARTS] = depart_now,  [MIGRATION_LAST_WORDS] = depart_now,
         [MIGRATION_KEPT] = answer_await,   [MIGRATION_SENDS] = send_on,
         [MIGRATION_WAITS] = answer_await,  [MIGRATION_YIELDS] = yield,
         [MIGRATION_HANDS_OVER] = hand_over};
     for (uint32_t i = 0; i < g->migrations_max; i++) {
-        struct migration *t = &g->migrations[i];
-        if (go_on[t->state]) {
-            go_on[t->state](t);
+        struct migration *m = &g->migrations[i];
+        if (go_on[m->state]) {
+            go_on[m->state](m);
         }
     }
 }
 
 /* Words about an earlier migration of the same agent have another epoch. */
-static bool migration_is_meant(const struct migration *t, const muster_Trip *word)
+static bool migration_is_meant(const struct migration *m, const muster_Trip *word)
 {
-    if (t->state == MIGRATION_STAYS || t->passage.epoch != word->epoch) {
+    if (m->state == MIGRATION_STAYS || m->passage.epoch != word->epoch) {
         return false;
     }
-    bool moves = t->purpose == MIGRATION_MOVE;
-    return strcmp(word->agent, moves ? t->robot->name : t->name) == 0 &&
-           strcmp(word->asker, moves ? "" : t->robot->name) == 0;
+    bool moves = m->purpose == MIGRATION_MOVE;
+    return strcmp(word->agent, moves ? m->robot->name : m->name) == 0 &&
+           strcmp(word->asker, moves ? "" : m->robot->name) == 0;
 }
 
 /* Takes the agent back if its name was released; else it stays. */
-static void refused(struct migration *t, const muster_Trip *word)
+static void refused(struct migration *m, const muster_Trip *word)
 {
-    if (t->state == MIGRATION_HANDS_OVER) {
-        hand_over_undo(t, MIGRATION_REFUSED);
+    if (m->state == MIGRATION_HANDS_OVER) {
+        hand_over_undo(m, MIGRATION_REFUSED);
     } else {
-        migration_fail(t, MIGRATION_REFUSED, word->reason);
+        migration_fail(m, MIGRATION_REFUSED, word->reason);
     }
 }
 
-static void taken(struct migration *t, const muster_Trip *word)
+static void taken(struct migration *m, const muster_Trip *word)
 {
     (void)word;
-    if (t->state == MIGRATION_HANDS_OVER) {
-        hand_over_end(t, MIGRATION_TAKEN);
+    if (m->state == MIGRATION_HANDS_OVER) {
+        hand_over_end(m, MIGRATION_TAKEN);
     } else {
-        departed(t);
+        departed(m);
     }
 }
 
-static void ready(struct migration *t, const muster_Trip *word)
+static void ready(struct migration *m, const muster_Trip *word)
 {
     (void)word;
-    yield_begin(t, MIGRATION_READY);
+    yield_begin(m, MIGRATION_READY);
 }
 
-static void stored(struct migration *t, const muster_Trip *word)
+static void stored(struct migration *m, const muster_Trip *word)
 {
     (void)word;
-    enter(t, MIGRATION_STORED);
+    enter(m, MIGRATION_STORED);
 }
 
 /* A word that the state does not have, such as a repeated one, is counted and changes nothing. */
-static void word_take(struct migration *t, const muster_Trip *word)
+static void word_take(struct migration *m, const muster_Trip *word)
 {
     static const struct {
         muster_TripWord word;
         enum migration_event event;
-        void (*take)(struct migration *t, const muster_Trip *word);
+        void (*take)(struct migration *m, const muster_Trip *word);
     } words[] = {{muster_TRIP_REFUSED, MIGRATION_REFUSED, refused},
                  {muster_TRIP_TAKEN, MIGRATION_TAKEN, taken},
                  {muster_TRIP_READY, MIGRATION_READY, ready},
                  {muster_TRIP_STORED, MIGRATION_STORED, stored}};
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         if (words[i].word == word->word &&
-            migration_state_has(t->state, t->purpose, words[i].event)) {
-            words[i].take(t, word);
+            migration_state_has(m->state, m->purpose, words[i].event)) {
+            words[i].take(m, word);
             return;
         }
     }
-    struct group_process *g = t->robot->group;
+    struct group_process *g = m->robot->group;
     mu_log(MU_LOG_INFO, "trip-unexpected", "name=%s word=%d state=%d words=%llu", word->agent,
-           (int)word->word, (int)t->state, (unsigned long long)++g->migrations_unexpected);
+           (int)word->word, (int)m->state, (unsigned long long)++g->migrations_unexpected);
 }
 
 void migration_hear(struct group_process *g, const muster_Trip *word)
@@ -607,20 +608,20 @@ void migration_hear(struct group_process *g, const muster_Trip *word)
 
 bool migration_take_answer(struct group_process *g, const struct mu_mail *mail)
 {
-    struct migration *t = NULL;
-    for (uint32_t i = 0; i < g->migrations_max && !t; i++) {
+    struct migration *m = NULL;
+    for (uint32_t i = 0; i < g->migrations_max && !m; i++) {
         struct migration *at = &g->migrations[i];
         bool ours = at->state == MIGRATION_WAITS && strcmp(mail->in_reply_to, at->id) == 0 &&
                     strcmp(mail->src, at->host) == 0;
-        t = ours ? at : NULL;
+        m = ours ? at : NULL;
     }
     bool agrees = strcmp(mail->performative, "agree") == 0;
-    if (t && !agrees) {
-        migration_fail(t, MIGRATION_DECLINED, mail->content);
-    } else if (t && t->purpose == MIGRATION_CLONE) {
-        copy_end(t);
-    } else if (t) {
-        yield_begin(t, MIGRATION_AGREED);
+    if (m && !agrees) {
+        migration_fail(m, MIGRATION_DECLINED, mail->content);
+    } else if (m && m->purpose == MIGRATION_CLONE) {
+        copy_end(m);
+    } else if (m) {
+        yield_begin(m, MIGRATION_AGREED);
     }
-    return t != NULL;
+    return m != NULL;
 }

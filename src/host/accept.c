@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Who is taken in: what stands in its snapshot's header, a place, a mind, a name. */
+/* Takes agents in: checks the header of a snapshot, and gives a place, a mind and a name. */
 #include "core/log.h"
 #include "core/text.h"
 #include "host/host.h"
@@ -26,7 +26,8 @@ void host_answer(struct host *h, const struct arrival *a, const char *performati
     }
 }
 
-/* --- who comes -------------------------------------------------------------------------------- */
+/* --- arrivals -----------------------------------------------------------------------------------
+ * */
 
 static bool name_is_welcome(const struct host *h, const char *name)
 {
@@ -87,7 +88,7 @@ static mu_result mind_make(struct host *h, struct robot *r, const struct snapsho
 {
     bool launch = p->purpose == MIGRATION_LAUNCH;
     struct mind_options options = robot_mind_options(r, launch ? h->folder : NULL);
-    options.seed = p->seed; /* a capsule has the state of (random) itself */
+    options.seed = p->seed; /* a snapshot has the state of (random) itself */
     MU_TRY(mind_begin(r->mind, &options, fault));
     if (!launch) {
         return mind_restore(r->mind, rest, strlen(rest), fault);
@@ -107,7 +108,7 @@ static mu_result join(struct robot *r, const struct snapshot_header *p)
     return MU_MALFORMED;
 }
 
-/* Nobody is there, nor is who began to be. */
+/* Frees a place, with what had begun there. */
 static void place_clear(struct host *h, struct robot *r)
 {
     struct mind *mind = r->mind;
@@ -116,7 +117,7 @@ static void place_clear(struct host *h, struct robot *r)
     h->waiting[r - h->group.robots].used = false;
 }
 
-/* The place is a new agent's. */
+/* Gives the place to a new agent. */
 static void place_take(struct host *h, struct robot *r, const struct snapshot_header *p,
                        const struct arrival *a)
 {
@@ -171,8 +172,8 @@ static struct robot *not_taken(char why[MU_FAULT_TEXT_MAX + 1], const char *reas
     return NULL;
 }
 
-/* Who comes is written down before the source lets go; who comes back is already.  One that came
- * and lived through no step here comes once more. */
+/* Writes an agent that arrives to disk before its source releases it; one from a checkpoint is
+ * there.  One that took part in no step here arrives once more. */
 static void host_save_first(const struct host *h, struct robot *r, const struct arrival *a,
                             enum mu_state state)
 {
@@ -186,7 +187,7 @@ static void host_save_first(const struct host *h, struct robot *r, const struct 
     }
 }
 
-/* An older copy that waits for the name has been overtaken. */
+/* Drops an older copy that waits for the name. */
 static void older_drop(struct host *h, const struct snapshot_header *p)
 {
     for (uint32_t i = 0; i < h->group.count && p->purpose == MIGRATION_MOVE; i++) {
@@ -198,7 +199,7 @@ static void older_drop(struct host *h, const struct snapshot_header *p)
     }
 }
 
-/* Lets who has come ask for the name.  @return whether that went well; else nobody is there */
+/* Lets an agent ask for its name.  @return false: the place is free again */
 static bool agent_begin(struct host *h, struct robot *r, const struct snapshot_header *p,
                         const char *rest, char why[MU_FAULT_TEXT_MAX + 1])
 {
@@ -242,7 +243,7 @@ struct robot *host_take_in(struct host *h, const struct arrival *a, char why[MU_
     }
     host_save_first(h, r, a, p.state);
     if (p.purpose == MIGRATION_MOVE) {
-        host_answer(h, a, "agree", p.name); /* it waits for the name, which is let go now */
+        host_answer(h, a, "agree", p.name); /* the source releases the name now */
     }
     return r;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Agents that come in pieces: a sender's mail comes in order and once, so the next one is due. */
+/* Agents that arrive in pieces.  A sender's mail comes in order and once, so that the next piece is
+ * known. */
 #include "core/clock.h"
 #include "core/log.h"
 #include "host/host.h"
@@ -26,7 +27,7 @@ static void fill(struct arrival *a, const struct mu_mail *mail)
     a->directive = mail->directive;
 }
 
-/* @return where the pieces of this mail's sender are put together, or NULL */
+/* @return the arrival that collects the pieces of this sender, or NULL */
 static struct arrival *arrival_find(struct host *h, const struct mu_mail *mail)
 {
     for (size_t i = 0; i < HOST_ARRIVALS; i++) {
@@ -39,7 +40,7 @@ static struct arrival *arrival_find(struct host *h, const struct mu_mail *mail)
     return NULL;
 }
 
-/* Begins one; an arrival whose pieces have ceased to come gives way. */
+/* Begins an arrival; one whose pieces stopped coming gives way. */
 static struct arrival *arrival_begin(struct host *h, const struct mu_mail *mail, size_t total)
 {
     for (size_t i = 0; i < HOST_ARRIVALS; i++) {

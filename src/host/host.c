@@ -23,7 +23,7 @@ static void word_say(struct host *h, const muster_Trip *to, muster_TripWord word
     }
 }
 
-/* @return whether what is handed over is of whom the broker says */
+/* @return whether the snapshot is of the agent that the broker names */
 static bool header_fits(const muster_Trip *word)
 {
     struct snapshot_header p;
@@ -32,7 +32,7 @@ static bool header_fits(const muster_Trip *word)
            p.passage.epoch == word->epoch;
 }
 
-/* The broker has kept an agent, and hands it over. */
+/* Takes in an agent that the broker kept and hands over. */
 static void arrival_hear(struct host *h, const muster_Trip *word)
 {
     char why[MU_FAULT_TEXT_MAX + 1] = "too-large";
@@ -55,7 +55,7 @@ static void arrival_hear(struct host *h, const muster_Trip *word)
              r ? "" : why);
 }
 
-/* What has become of one that was launched: if it lives, it answers itself. */
+/* Ends a launch; an agent that lives answers for itself. */
 static void launched_end(struct host *h, const muster_Trip *word)
 {
     struct arrival *a = host_find_deposited(h, word->agent);
@@ -67,7 +67,7 @@ static void launched_end(struct host *h, const muster_Trip *word)
     }
 }
 
-/* It was not given the name: somebody else is the agent. */
+/* Drops a copy that did not get the name. */
 static void copy_drop(struct host *h, const muster_Trip *word)
 {
     for (uint32_t i = 0; i < h->group.count; i++) {
@@ -99,7 +99,7 @@ static bool agent_restore(struct group_process *g, const char *name,
                           const struct checkpoint_head *head, const char *text)
 {
     char why[MU_FAULT_TEXT_MAX + 1] = "cannot be read";
-    /* Nobody writes there. */
+    /* Nothing writes to that text. */
     const struct arrival back = {.text = {.at = (char *)(uintptr_t)text, .len = strlen(text)},
                                  .head = head};
     bool taken = text[0] && host_take_in((struct host *)g, &back, why);
@@ -116,7 +116,7 @@ uint32_t host_restore(struct host *h)
 
 /* --- the host itself -------------------------------------------------------------------------- */
 
-/* Who waits for more than that it is here is told when it has its name. */
+/* Answers a sender that waits until the agent has its name. */
 static void on_arrived(struct robot *r, bool accepted, const char *reason)
 {
     struct host *h = (struct host *)r->group;

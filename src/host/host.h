@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file host.h
- * A platform: a crew whose robots come and go.
+ * A platform: a group process whose robots come and go.
  *
- * accept.c takes agents in, arrival.c has what comes in pieces, native.c who begins here, host.c
- * the platform itself.
+ * accept.c takes agents in, arrival.c collects pieces, native.c begins the robots of the command
+ * line, host.c is the platform itself.
  */
 #ifndef MUSTER_HOST_HOST_H
 #define MUSTER_HOST_HOST_H
@@ -16,29 +16,28 @@
 
 enum { HOST_ARRIVALS = MU_CAPSULES_MAX };
 
-/* An agent that comes in pieces; or has come, and waits for its name. */
+/* An agent that comes in pieces, or that has arrived and waits for its name. */
 struct arrival {
     bool used;
-    bool deposited; /* in lock step: it is whole, and the broker has it, until it is handed back, */
-    char name[MU_NAME_MAX + 1]; /* under this name */
+    bool deposited;             /* in lock step: it is whole, and the broker keeps it ... */
+    char name[MU_NAME_MAX + 1]; /* ... under this name */
     char src[MU_NAME_MAX + 1], id[MU_FIELD_MAX + 1], reply_with[MU_FIELD_MAX + 1];
-    bool directive;                     /* somebody who may direct this host wants it */
+    bool directive;                     /* the sender may direct this host */
     uint32_t pieces;                    /* that are there */
     size_t total;                       /* bytes that there are to be */
     uint64_t until_ns;                  /* the next one must come before */
     struct mu_text text;                /* TRIP_CAPSULE_MAX */
-    const struct checkpoint_head *head; /* of one that comes back; NULL: it does not */
+    const struct checkpoint_head *head; /* of one from a checkpoint; else NULL */
 };
 
 struct host {
-    struct group_process group; /* first: a robot's crew is the host */
+    struct group_process group; /* first: the group of a robot is the host */
     const struct host_options *set;
     char folder[PATH_MAX]; /* of the shared rules */
     mu_agent *agent;
     struct arrival arrivals[HOST_ARRIVALS];
-    struct arrival *waiting; /* of each robot, what it came by, until it has its name; agents of
-                                them, used: somebody is to be told */
-    uint64_t asked_ns;       /* for agents that nobody has */
+    struct arrival *waiting; /* of each robot, until it has its name; used: a sender waits */
+    uint64_t asked_ns;       /* last time, for agents without a process */
 };
 
 /* host.c */
@@ -49,15 +48,15 @@ struct host *host_make(const struct host_options *set);
 /** Lets the host join its process.  @return as mu_agent_join */
 MU_MUST_USE mu_result host_join(struct host *h);
 
-/** Takes what the broker says: of one that comes, or is not to, or is on its way from here. */
+/** Takes a word of the broker about an agent that arrives or leaves. */
 void host_hear(void *self, const muster_Trip *word);
 
-/** Takes in all agents that have a checkpoint.  @return how many */
+/** Takes in all agents with a checkpoint.  @return how many */
 uint32_t host_restore(struct host *h);
 
 /* accept.c */
 
-/** Answers who has sent an agent. */
+/** Answers the sender of an agent. */
 void host_answer(struct host *h, const struct arrival *a, const char *performative,
                  const char *text);
 
@@ -65,20 +64,19 @@ void host_answer(struct host *h, const struct arrival *a, const char *performati
 struct arrival *host_find_deposited(struct host *h, const char *name);
 
 /**
- * Makes an agent of what has come whole, and lets it ask for its name.
+ * Makes an agent of a whole snapshot, and lets it ask for its name.
  *
- * @param why  out: why not, MU_FAULT_TEXT_MAX + 1 bytes
- * @return it, when it is here; it has its name when on_registered says so.  NULL: it is not
+ * @param why  out: the reason of a refusal, MU_FAULT_TEXT_MAX + 1 bytes
+ * @return the agent, whose on_registered says whether it gets its name; NULL: it is refused
  */
 struct robot *host_take_in(struct host *h, const struct arrival *a,
                            char why[MU_FAULT_TEXT_MAX + 1]);
 
 /**
- * In lock step an agent that is launched goes to the broker first, which says when it begins, and
- * gives it back.
+ * Gives a launched agent to the broker, which says in lock step when it begins, and gives it back.
  *
- * @param why  MU_FAULT_TEXT_MAX + 1 bytes, filled when it cannot begin
- * @return whether it is on its way
+ * @param why  out: the reason of a refusal, MU_FAULT_TEXT_MAX + 1 bytes
+ * @return whether the broker has it
  */
 bool host_deposit(struct host *h, struct arrival *a, char why[MU_FAULT_TEXT_MAX + 1]);
 
@@ -99,9 +97,9 @@ MU_MUST_USE mu_result launch_join_groups(struct robot *r, const char *rest);
 bool natives_have(const struct host *h, const char *name);
 
 /**
- * Makes the robots that begin here, but for those that come back, or have ended here before.
+ * Makes the robots that begin here, without those that come back or have ended before.
  *
- * @return MU_OK; MU_FAULT_USAGE, MU_FAULT_FILE: it has said what is wrong; or as mu_agent_join
+ * @return MU_OK; MU_FAULT_USAGE, MU_FAULT_FILE: the mistake was printed; or as mu_agent_join
  */
 MU_MUST_USE mu_result natives_begin(struct host *h);
 
@@ -110,7 +108,7 @@ MU_MUST_USE mu_result natives_begin(struct host *h);
 /** Takes the memory for arrivals. */
 void arrivals_reserve(struct host *h);
 
-/** Takes one piece in; the last one brings the agent. */
+/** Takes a piece; the last one brings the agent. */
 void arrival_take(struct host *h, const struct mu_mail *mail);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file host_options.h
- * What the command line of muster-host says.
+ * Options on the command line of muster-host.
  */
 #ifndef MUSTER_HOST_OPTIONS_H
 #define MUSTER_HOST_OPTIONS_H
@@ -9,18 +9,19 @@
 #include "agent/robot.h"
 
 struct host_options {
-    const struct robot_options *robots; /* what holds for each agent; its name is the host's */
+    const struct robot_options *robots; /* for each agent; its name is the host's */
     int64_t agents;                     /* that there is room for */
-    int64_t bytes;                      /* of a capsule, at most */
+    int64_t bytes;                      /* of a snapshot, at most */
     struct mu_option_list take;         /* patterns of names; none: every name */
     struct mu_option_list natives;      /* "NAME=FILE": agents that begin here, and their rules */
     struct mu_option_list globals;      /* of such: "NAME.G=VALUE" */
 };
 
 /**
- * Reads and checks the command line; what it says lives as long as the process.
+ * Reads and checks the command line.
  *
- * @return MU_OK; MU_DONE: help was asked for and given; MU_FAULT_USAGE: it has said what is wrong
+ * @param set  out: lives as long as the process
+ * @return MU_OK; MU_DONE: help was printed; MU_FAULT_USAGE: the mistake was printed
  */
 MU_MUST_USE mu_result host_options_read(const struct host_options **set, int argc, char **argv);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What stands between the passport and the rules of an agent that is launched: a line for each
- * global, "global mate=red", and for each group, "group scouts".
+ * Lines between the snapshot's header and the rules of a launched agent: one for each global,
+ * "global mate=red", and one for each group, "group scouts".
  */
 #include "core/name.h"
 #include "host/host.h"

@@ -34,7 +34,7 @@ static void host_save(void *self)
     checkpoint_round(&h->group);
 }
 
-/* Whom nobody has is asked for again and again: who has it dies when it likes. */
+/* Asks again and again for agents without a process: their process may die at any time. */
 static void orphans_ask(struct host *h)
 {
     static const uint64_t ASK_NS = 1000000000;

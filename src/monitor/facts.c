@@ -26,7 +26,7 @@ static void quoted_add(struct mu_text *t, const char *text)
     mu_text_add(t, "\"");
 }
 
-/* In a fact that is told, these begin what is no constant. */
+/* Bytes that begin a variable or a wildcard in a fact. */
 static bool field_is_plain(const struct syntax_field *f)
 {
     return f->kind != SYNTAX_FIELD_BAD &&
@@ -89,7 +89,7 @@ static double degrees(double rad)
 
 /* --- facts ------------------------------------------------------------------------------------ */
 
-/* What is no symbol is a string, as in text. */
+/* Writes a word that is no symbol as a string, as (text) does. */
 static struct mind_slot word(const char *slot, const char *text)
 {
     const char *at = text;
@@ -211,8 +211,7 @@ void facts_write_end(struct mu_text *t, const struct mu_run_result *result)
 
 /* --- a step ----------------------------------------------------------------------------------- */
 
-/* What has come twice is one fact: a mail that was said twice in a step, a rule that fired twice.
- */
+/* Two equal facts are one: a mail that was sent twice in a step, or a rule that fired twice. */
 static void tell(struct mind *m, const struct mu_text *fact)
 {
     if (fact->cut || mind_tell(m, fact->at) != MU_OK) {

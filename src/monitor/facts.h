@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file facts.h
- * What a monitor's mind is told: a run as facts of rules/monitor.clp, in the units of rules.
+ * The facts of a monitor: a run as rules/monitor.clp describes it, in the units of rules.
  */
 #ifndef MUSTER_MONITOR_FACTS_H
 #define MUSTER_MONITOR_FACTS_H

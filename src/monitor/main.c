@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* muster-monitor: an agent without a body, whose rules see a whole run as facts. */
+/* muster-monitor: an agent without a body; its rules get a whole run as facts. */
 #include "agent/robot.h"
 #include "core/exits.h"
 #include "core/log.h"
@@ -22,7 +22,7 @@ static struct monitor {
     struct robot_options set;
     bool latest, stays;
     struct group_process *group;
-    struct robot *self; /* the crew's only one */
+    struct robot *self; /* the only one of its process */
     mu_watch *watch;
     mu_stats *stats;
     char world[WORLD_MAX];
@@ -31,7 +31,8 @@ static struct monitor {
     bool ended;
 } monitor;
 
-/* --- what it sees ----------------------------------------------------------------------------- */
+/* --- steps of the run ---------------------------------------------------------------------------
+ * */
 
 static bool may_act(void)
 {
@@ -124,7 +125,7 @@ static enum mu_take take_journey(void *self, mu_agent *a, const struct mu_mail *
     (void)self;
     (void)a;
     (void)mail;
-    return MU_DECLINE; /* what it sees is here */
+    return MU_DECLINE; /* the run is seen from here */
 }
 
 static const struct mu_layer_handler monitor_handlers[] = {
@@ -182,7 +183,7 @@ static mu_result monitor_open(void)
     return mu_watch_open(&monitor.watch, monitor.group->process, &watch);
 }
 
-/* Its rules come behind the templates of what it is told. */
+/* Its rules follow the templates of its facts. */
 static mu_result monitor_think(void)
 {
     char folder[PATH_MAX], path[PATH_MAX];

@@ -40,7 +40,7 @@ static int distance_map_clamp(double value, int most)
     return value < 0 ? 0 : value > most ? most : (int)value;
 }
 
-/* The cells round a shape take its distance where that is less than what they have. */
+/* Lowers the distances of the cells around a shape to their distance from it. */
 static void distance_map_add(struct distance_map *map, const struct world_shape *shape)
 {
     double reach_m =

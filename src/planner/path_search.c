@@ -10,17 +10,17 @@ enum { PATH_NONE = -1, PATH_NEIGHBOURS = 8 };
 
 static const double path_start_m = 0.6, path_end_m = 0.25; /* how far they may be moved */
 
-/* A metre with so much room costs one; nearer to things it costs up to so much more. */
+/* With so much room a metre costs 1; nearer to obstacles, it costs up to so much more. */
 static const double path_wide_m = 0.75;
 static const double path_dear = 6;
 
-/* A straight line may cost so much more than the way that it replaces. */
+/* A straight line may cost so much more than the piece of the path that it replaces. */
 static const double path_straight = 1.02;
 
 struct planner {
     const struct distance_map *map;
     double half_m;
-    uint32_t search; /* the number of this one: what bears another is old */
+    uint32_t search; /* number of this search; cells with another number are unvisited */
     uint32_t *seen;
     float *cost, *guess; /* from the start; by way of this cell to the end */
     int *from;
@@ -49,7 +49,7 @@ static bool path_free(const struct planner *r, int cell)
     return cell >= 0 && (double)r->map->room_m[cell] >= r->half_m;
 }
 
-/* What a metre costs there. */
+/* @return the cost of a metre in a cell */
 static double path_price(const struct planner *r, int cell)
 {
     double lack = fmax(0, path_wide_m - (double)r->map->room_m[cell]) / path_wide_m;
@@ -105,7 +105,7 @@ static int path_pop(struct planner *r)
     return first;
 }
 
-/* A way to a cell: kept when it is the first or a cheaper one. */
+/* Keeps a path to a cell if it is the first or a cheaper one. */
 static void path_offer(struct planner *r, int cell, int from, double cost)
 {
     bool is_new = r->seen[cell] != r->search;
@@ -124,7 +124,7 @@ static void path_offer(struct planner *r, int cell, int from, double cost)
     }
 }
 
-/* Neighbours at a corner count only when both cells beside are free: nobody cuts corners. */
+/* A diagonal neighbour counts only if both cells beside it are free: no path cuts corners. */
 static void path_look_round(struct planner *r, int cell)
 {
     static const int dx[PATH_NEIGHBOURS] = {1, -1, 0, 0, 1, 1, -1, -1};
@@ -150,7 +150,7 @@ static void path_look_round(struct planner *r, int cell)
     }
 }
 
-/* @return whether there is a way; it stands in from, from the end back */
+/* @return whether there is a path; from has it, from the end back */
 static bool path_find(struct planner *r, int start)
 {
     r->search++;
@@ -192,7 +192,7 @@ static int path_near(const struct planner *r, const double at_m[2], double most_
     return best;
 }
 
-/* What the straight line between two cells costs; infinite when something is in its way. */
+/* @return the cost of the straight line between two cells; infinite: an obstacle is on it */
 static double path_line(const struct planner *r, int a, int b)
 {
     double from_m[2];
@@ -214,7 +214,7 @@ static double path_line(const struct planner *r, int a, int b)
     return parts > 0 ? sum * way_m / parts : 0;
 }
 
-/* Turns the way round: from becomes the next cell, from the start on. */
+/* Turns the path round: from becomes the next cell, beginning at the start. */
 static void path_turn(struct planner *r)
 {
     int next = PATH_NONE;
@@ -226,7 +226,7 @@ static void path_turn(struct planner *r)
     }
 }
 
-/* The farthest cell of the way that can be had in a straight line. */
+/* @return the farthest cell of the path that a straight line reaches at about the same cost */
 static int path_farthest(const struct planner *r, int cell)
 {
     int best = r->from[cell];
@@ -239,7 +239,7 @@ static int path_farthest(const struct planner *r, int cell)
     return best;
 }
 
-/* A way of too many points ends early, and is searched again from there. */
+/* A path of too many points ends early, and is searched again from there. */
 static void path_straighten(struct planner *r, int start, struct path *out)
 {
     path_turn(r);

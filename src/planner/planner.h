@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file planner.h
- * Paths through a world: a map of distances to what stands there, and a search over it.
+ * Paths through a world: a map of distances to obstacles, and a search over it.
  *
- * The map is a grid, made once from the world's file.  It has only what never moves: no robots, and
- * nothing that can be pushed.  What robots merely see counts, too: they go round it.
- * The same map and places give the same path.  All memory is taken when a map or planner is made.
- * Metres.
+ * The map is a grid, made once from the world's file.  It has only things that never move.  A thing
+ * that robots only see counts, too: they go round it.  The same map and places give the same path.
+ * All memory is taken when a map or planner is made.  Metres.
  */
 #ifndef MUSTER_PLANNER_H
 #define MUSTER_PLANNER_H
@@ -23,7 +22,7 @@ struct distance_map {
         *room_m; /* of each cell's middle, row by row; DISTANCE_FAR_M where nothing is that near */
 };
 
-/* Farther than this nobody asks. */
+/* Distances above this are not told apart. */
 #define DISTANCE_FAR_M 0.9
 
 /** Makes the grid of a world; cells are 0.1 m, or larger where that would be too many. */
@@ -47,20 +46,20 @@ struct planner;
 struct path {
     double points_m[PATH_POINTS_MAX][2]; /* without the start; the last one is where it ends */
     size_t count;                        /* of a way that was found 1 or more */
-    size_t looked;                       /* cells that the search has looked at: what it has cost */
+    size_t looked;                       /* visited cells: the cost of the search */
 };
 
 /** Takes the memory of searches over a map, which must outlive it. */
 struct planner *planner_make(const struct distance_map *map);
 
 /**
- * Searches the way that is short and keeps off walls.
+ * Searches the short path that keeps off walls.
  *
- * A start or an end that is too near to something is moved to the nearest free place: the start by
- * 0.6 m at most, the end by 0.25 m.
+ * A start or an end too near to an obstacle is moved to the nearest free place: the start by at
+ * most 0.6 m, the end by at most 0.25 m.
  *
- * @param half_m  half the width of who goes: with less room than this there is no way
- * @return MU_OK; MU_ABSENT: there is none, or an end of it is outside or in something
+ * @param half_m  half the width of the robot: no path leads through less room
+ * @return MU_OK; MU_ABSENT: there is no path, or an end of it is outside or in an obstacle
  */
 MU_MUST_USE mu_result planner_search(struct planner *r, const double from_m[2],
                                      const double to_m[2], double half_m, struct path *out);

@@ -86,7 +86,7 @@ struct world_namer {
     size_t number;
 };
 
-/* Who has no name gets its type's and a number, as in Stage (which writes type:0). */
+/* A nameless body gets its type's name and a number, as in Stage (which writes type:0). */
 static void world_give_name(const struct world *world, struct world_namer *namer, const char *type,
                             char name[MU_NAME_MAX + 1])
 {
@@ -173,7 +173,7 @@ static void world_measure(struct world *world)
     }
 }
 
-/* What stands outside all models: units, the step, the seed. */
+/* Reads the properties outside all models: units, step, seed. */
 static mu_result world_read_units(struct builder *b, const struct worldfile_entity *root)
 {
     static const struct {
@@ -326,7 +326,7 @@ static mu_result world_unknown_body(const struct world *world, const char *body,
                        "expected a body that the world defines (%s), found '%.40s'", known, body);
 }
 
-/* For what comes when the file has been read: its units hold still. */
+/* A builder for robots added after the file; its units are checked already. */
 static struct builder world_later_builder(struct world *world, struct mu_fault *fault)
 {
     struct builder b = {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file world_load.h
- * Reads world files, and adds robots to what was read.
+ * Reads world files, and adds robots to them.
  */
 #ifndef MUSTER_WORLD_LOAD_H
 #define MUSTER_WORLD_LOAD_H
@@ -17,11 +17,11 @@ struct world_options {
 /**
  * Loads a world file in Stage's grammar (define, include, nested models, # comments) and units.
  *
- * Properties that muster does not support are named once each, as warnings on standard error.
- * A listener is told of them instead, and of every mistake; then the world is good for nothing.
+ * Each unsupported property is named once, as a warning on standard error.  A listener hears these
+ * instead, and every mistake; after a mistake the world cannot be used.
  *
- * @return MU_OK, or MU_FAULT_FILE with file, line, column and what was expected (of the last
- *         mistake, where there is a listener)
+ * @return MU_OK, or MU_FAULT_FILE with file, line, column and the expectation (with a listener: of
+ * the last mistake)
  */
 MU_MUST_USE mu_result world_open(struct world *world, const char *path,
                                  const struct world_options *options, struct mu_fault *fault);
@@ -47,7 +47,7 @@ MU_MUST_USE mu_result world_add_robot(struct world *world, const char *name, con
                                       const struct world_pose *pose, const char *color,
                                       struct mu_fault *fault);
 
-/** Likewise, as `muster sim --place` has it: "NAME BODY X Y DEG COLOR", - for what is not said. */
+/** The same for `muster sim --place`: "NAME BODY X Y DEG COLOR", - for a default. */
 MU_MUST_USE mu_result world_add_placed(struct world *world, const char *text,
                                        struct mu_fault *fault);
 

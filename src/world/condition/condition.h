@@ -32,7 +32,7 @@ enum {
     CONDITION_WHY_MAX = 256
 };
 
-/* Of a robot, what a condition may compare. */
+/* Numbers of a robot that a condition may compare. */
 struct condition_numbers {
     double x_m, y_m, heading_rad, distance_m, stalls, stalled_s;
     double mail_sent, mail_received, rule_firings;
@@ -65,7 +65,7 @@ struct condition {
     enum condition_compare compare;
     double value;    /* compared with, or how near in metres */
     double x_m, y_m; /* of a place */
-    char word[CONDITION_WORD_MAX], to[CONDITION_WORD_MAX]; /* "": to anybody */
+    char word[CONDITION_WORD_MAX], to[CONDITION_WORD_MAX]; /* "": any receiver */
 };
 
 /* The bodies that a condition may name: robots first, then things. */
@@ -79,7 +79,7 @@ struct condition_names {
 /**
  * Reads a condition.
  *
- * @param why  CONDITION_WHY_MAX bytes: filled with what was expected when it is none
+ * @param why  CONDITION_WHY_MAX bytes, filled with the expectation if the text is malformed
  * @return MU_OK or MU_MALFORMED
  */
 MU_MUST_USE mu_result condition_read(struct condition *c, const char *text,
@@ -89,7 +89,7 @@ MU_MUST_USE mu_result condition_read(struct condition *c, const char *text,
 struct condition_view {
     double time_s;
     const void *self;
-    /* Fills in what is known of a body; of a thing its place alone. */
+    /* Fills in the numbers of a body; of a thing its position alone. */
     void (*numbers)(const void *self, int body, struct condition_numbers *out);
     bool (*stalled)(const void *self, int robot);
     bool (*counts)(const void *self, int robot); /* it has a controller */

@@ -95,7 +95,7 @@ static struct world_shape place_gripper(const struct world_robot *robot)
         .half_y_m = g->width_m / 2};
 }
 
-/* Around what stands: robots do not widen it. */
+/* Around all fixed shapes; robots do not widen it. */
 struct place_bounds {
     double min[2], max[2];
 };
@@ -147,7 +147,7 @@ struct world_shape placement_room(const struct world_robot *robot)
                                 .half_y_m = (all.max[1] - all.min[1]) / 2};
 }
 
-/* A thing that is looked at, and what its fault says of it. */
+/* A thing being checked, and the words for it in a fault. */
 struct place_thing {
     const struct world_shape *shape;
     const char *what, *name; /* "robot", "red" */
@@ -187,7 +187,7 @@ static mu_result place_check_shapes(const struct world *world, const struct plac
     return MU_OK;
 }
 
-/* Looks at the robots before one, but for itself; robots that stop nobody are passed over. */
+/* Checks against the first robots, without one; robots that stop no bodies are passed over. */
 static mu_result place_check_robots(const struct world *world, size_t count, size_t own,
                                     const struct place_thing *thing, struct mu_fault *fault)
 {

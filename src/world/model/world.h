@@ -102,7 +102,7 @@ struct world_gripper {
     bool starts_closed, starts_lifted;
 };
 
-/* What the odometer makes of the wheels: a systematic error for each robot, and slip. */
+/* The errors of an odometer: a systematic one for each robot, and slip. */
 struct world_odometry {
     double forward_error, side_error,
         turn_error;          /* shares: the gains are drawn within half of them */
@@ -121,13 +121,13 @@ struct world_robot {
     double forward_max_m_s, reverse_max_m_s; /* both >= 0 */
     double turn_max_rad_s;
     double forward_accel_m_s2, turn_accel_rad_s2;
-    bool reads_odometer; /* its position is what the odometer says (localization "odom") */
+    bool reads_odometer; /* its position comes from the odometer (localization "odom") */
     struct world_odometry odometry;
     double gps_noise_m,
         gps_drift_m; /* of the absolute position; the drift per square root of 1 s */
     double compass_noise_rad;
     double battery_j, battery_max_j;  /* at the start, and full; battery_max_j 0: it has none */
-    double power_w, take_w;           /* what it uses at all times, and can be charged with */
+    double power_w, take_w;           /* its consumption, and the power it can be charged with */
     const struct world_sonar *sonars; /* the world's: robots with the same ring share it */
     size_t sonar_count;               /* at most MU_SONARS_MAX */
     struct world_laser laser;
@@ -160,22 +160,21 @@ struct world {
     double fixed_m[4];         /* around all that is no robot: least x, least y, most x, most y */
     uint64_t step_ns;          /* that the file asks for; 0: it does not */
     int64_t seed;              /* likewise; < 0: it does not */
-    struct world_file *source; /* the parsed file: what its names define, for world_add_robot */
+    struct world_file *source; /* the parsed file, with the definitions for world_add_robot */
 };
 
 /**
- * @param clear_m  that it wants around it
- * @return whether a robot stands inside the world, clear of what stands there and of all other
- *         robots
+ * @param clear_m  free room around it
+ * @return whether a robot stands inside the world, clear of things and of all other robots
  */
 bool world_robot_fits(const struct world *world, const char *name, double clear_m);
 
 /**
  * Looks for robots and things that overlap a wall or one another, or stand outside (libccd).
  *
- * What does not stop bodies is in nobody's way.
+ * Things that do not stop bodies overlap nothing.
  *
- * @param listener  is told of everything that stands wrong; NULL: the first mistake ends the work
+ * @param listener  hears of everything that stands wrong; NULL: the first mistake ends the work
  * @return MU_OK or MU_FAULT_FILE
  */
 MU_MUST_USE mu_result world_check_places(const struct world *world,

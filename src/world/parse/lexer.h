@@ -15,14 +15,14 @@ enum token_kind {
     TOKEN_OPEN_TUPLE,  /* [ */
     TOKEN_CLOSE_TUPLE, /* ] */
     TOKEN_WORD,        /* with an index in it, if it bears one: point[0] */
-    TOKEN_STRING,      /* text is what stands between the quotes */
+    TOKEN_STRING,      /* text is between the quotes */
     TOKEN_NUMBER,      /* always finite */
-    TOKEN_BAD          /* text says what is wrong */
+    TOKEN_BAD          /* text is the mistake */
 };
 
 struct token {
     enum token_kind kind;
-    const char *text; /* not zero-terminated; lives as long as what is read */
+    const char *text; /* not zero-terminated; lives as long as the text */
     size_t len;
     double number;
     int line, column; /* from 1; columns count bytes */

@@ -409,7 +409,8 @@ static const char *worldfile_text(struct world_file *file, const char *path, siz
     return failed ? NULL : text;
 }
 
-/* Says that a file cannot be read, and, of one that is missing, where muster's own are. */
+/* Reports a file that cannot be read; of a missing one, it names the folder of muster's own files.
+ * */
 static mu_result worldfile_missing(const struct parser *outer, const char *path,
                                    const struct token *at)
 {
@@ -435,7 +436,7 @@ void worldfile_note(struct world_file *file, const char *path)
     }
 }
 
-/* Reads and parses one file; outer is who includes it, at a token, or only lends its fault. */
+/* Reads and parses a file.  outer is the including file, at a token, or only lends its fault. */
 static mu_result worldfile_read(struct parser *outer, const char *path, const struct token *at)
 {
     int line = at ? at->line : 0;

@@ -69,7 +69,7 @@ struct world_file {
     size_t include_count, definition_count;
     const char *files[WORLDFILE_FILES_MAX]; /* that were read, as they were opened, each once */
     size_t files_count;
-    struct worldfile_entity root;             /* what stands outside all models */
+    struct worldfile_entity root;             /* the properties outside all models */
     struct worldfile_entity *definitions;     /* the latest first */
     const struct mu_fault_listener *listener; /* NULL: the first mistake ends the parsing */
     size_t mistake_count;                     /* that it was told */
@@ -78,7 +78,7 @@ struct world_file {
 /** Takes the memory.  A file that is initialized can be parsed into again and again. */
 void worldfile_init(struct world_file *file);
 
-/** Forgets what was parsed, then reads and parses a file. */
+/** Forgets an earlier parse, then reads and parses a file. */
 MU_MUST_USE mu_result worldfile_parse(struct world_file *file, const char *path,
                                       struct mu_fault *fault);
 
@@ -89,7 +89,7 @@ MU_MUST_USE mu_result worldfile_parse_text(struct world_file *file, const char *
 /** Takes zeroed bytes of the file's memory.  @return NULL when there is no room */
 void *worldfile_take(struct world_file *file, size_t bytes);
 
-/** @return the property of a model, from itself or what it derives from; NULL: it has none */
+/** @return the property of a model or of its base; NULL: it has none */
 const struct worldfile_property *worldfile_property(const struct worldfile_entity *entity,
                                                     const char *key);
 
@@ -100,7 +100,7 @@ const char *worldfile_kind(const struct worldfile_entity *entity);
 const struct worldfile_entity *worldfile_definition(const struct world_file *file,
                                                     const char *name);
 
-/** Notes that a file was read, a bitmap; what is parsed is noted by itself. */
+/** Notes that a bitmap was read; parsed files are noted already. */
 void worldfile_note(struct world_file *file, const char *path);
 
 /** Makes a path that is relative to a file's folder.  @return whether it fitted */
@@ -113,7 +113,7 @@ enum {
     BITMAP_THRESHOLD = 127 /* Stage's */
 };
 
-/* What of a picture is solid: grey goes from 0, black, to 255, white. */
+/* Which pixels are solid: grey goes from 0, black, to 255, white. */
 struct bitmap_rule {
     double threshold; /* greys below it are solid */
     bool negate;      /* above 255 - threshold, instead */
@@ -146,10 +146,10 @@ const char *bitmap_read(struct bitmap *bitmap, const char *path, const struct bi
  */
 bool bitmap_take_rectangle(struct bitmap *bitmap, size_t *at, struct bitmap_rectangle *out);
 
-/* --- the words of world files: one table of what each property means, and to what it belongs ---
- */
+/* --- the properties of world files, one table: meaning, and owner -------------------------------
+ * */
 
-/* What a property belongs to: a bit each. */
+/* The owner of a property: a bit each. */
 enum property_kind {
     PROPERTY_WORLD = 1,
     PROPERTY_SOLID = 2,

@@ -117,7 +117,7 @@ static const char *const properties_silent[] = {
     "gripper_return",
 };
 
-/* What else Stage has or had: it has no effect here, and is no slip of the hand either. */
+/* Properties of Stage without effect here; they are no spelling mistakes. */
 static const char *const properties_of_stage[] = {
     "add_noise",
     "autosnatch",
@@ -201,7 +201,7 @@ const char *properties_near(const char *key, enum property_kind kind)
     return spell.nearest;
 }
 
-/* What a row of the table belongs to, in the words of a world file. */
+/* Prints the owners of a row, in the words of a world file. */
 static void properties_print_kinds(int kinds)
 {
     static const struct {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The bodies of robots: what Stage's `position` says. */
+/* The bodies of robots: Stage's `position`. */
 #include "core/name.h"
 #include "core/text.h"
 #include "world/read/builder.h"
@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Stage's defaults for what a model file leaves out. */
+/* Stage's defaults for properties that a file leaves out. */
 static const double body_bounds[8] = {-1, 1, -1, 1, -1, 1, -90, 90};
 static const double body_mass_kg = 10;
 
@@ -66,7 +66,7 @@ static mu_result body_read_drive(struct builder *b, const struct worldfile_entit
     return MU_OK;
 }
 
-/* The errors of Stage's odometer, where the position is what it says. */
+/* The errors of Stage's odometer, for a position that comes from it. */
 static const double body_odom_error[4] = {0.03, 0.03, 0, 0.05};
 
 static mu_result body_read_odometer(struct builder *b, const struct worldfile_entity *entity,

@@ -279,7 +279,7 @@ mu_result builder_pose(struct builder *b, const struct worldfile_entity *entity,
 
 mu_result builder_size(struct builder *b, const struct worldfile_entity *entity, double size_m[2])
 {
-    double v[3] = {0.1, 0.1, 0.1}; /* what Stage gives to a model without a size */
+    double v[3] = {0.1, 0.1, 0.1}; /* Stage's size of a model without one */
     MU_TRY(builder_numbers(b, entity, (struct builder_numbers){"size", v, 2, 3, "lll"}));
     struct mu_fault_place at = builder_place(entity, "size");
     for (size_t i = 0; i < 2; i++) {

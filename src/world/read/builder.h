@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file builder.h
- * What the files that turn a parsed world into struct world share: properties with their checks,
- * units, warnings, frames.
+ * Turns a parsed world into struct world.  Shared: properties with their checks, units, warnings,
+ * frames.
  */
 #ifndef MUSTER_WORLD_BUILDER_H
 #define MUSTER_WORLD_BUILDER_H
@@ -19,7 +19,7 @@ enum {
 
 #define BUILDER_POSE_MAX_M 1e5 /* farther out, a millimetre gets lost in a raster */
 
-/* What moves must not be so small or large that its inertia leaves the numbers. */
+/* Limits of a moving body, so that its inertia is a normal number. */
 #define BUILDER_BODY_MIN_M 1e-3
 #define BUILDER_BODY_MAX_M 1e3
 
@@ -37,7 +37,7 @@ struct builder {
         uint64_t text;                 /* its hash */
     } mistakes[MU_FAULT_MISTAKES_MAX]; /* that the listener was told of */
     size_t mistake_count;
-    bool ended;     /* a limit was passed: whoever wants all mistakes has to do with these */
+    bool ended;     /* a limit was passed: no more mistakes are looked for */
     bool misplaced; /* the body that was read last: where it stands is not known */
     const char *warned[BUILDER_WARNINGS_MAX];
     size_t warned_count;
@@ -59,7 +59,7 @@ void builder_warn_unknown(struct builder *b, const struct worldfile_entity *enti
 mu_result builder_fault(struct builder *b, const struct mu_fault_place *at, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/** The same for what passes a limit: nothing goes on behind it. */
+/** The same for a passed limit, which ends the work. */
 mu_result builder_full(struct builder *b, const struct mu_fault_place *at, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -71,8 +71,8 @@ MU_MUST_USE mu_result builder_count_model(struct builder *b, const struct worldf
                                           int depth);
 
 /**
- * Passes a result on; but where a listener wants all mistakes, it is told of this one, and the
- * work goes on without what was wrong.
+ * Passes a result on.  If a listener wants all mistakes, it hears of this one, and the work goes
+ * on.
  *
  * @return MU_OK then, else the result
  */
@@ -86,10 +86,10 @@ MU_MUST_USE mu_result builder_go_on(struct builder *b, mu_result result);
 MU_MUST_USE mu_result builder_skip_model(struct builder *b, const struct worldfile_entity *entity);
 
 /**
- * How many numbers a property has; where it is not given, they stay as they are.
+ * Numbers of a property; an absent property leaves them as they are.
  *
- * units: one letter a number, 'l' a length, which becomes metres, 'a' an angle, which becomes
- * degrees; NULL, or what it is too short for: a plain number
+ * units: one letter for each number: 'l' is a length, which becomes metres; 'a' is an angle, which
+ * becomes degrees.  NULL, or a missing letter: a plain number
  */
 struct builder_numbers {
     const char *key;
@@ -121,24 +121,24 @@ MU_MUST_USE mu_result builder_text(struct builder *b, const struct worldfile_ent
 MU_MUST_USE mu_result builder_pose(struct builder *b, const struct worldfile_entity *entity,
                                    struct world_pose frame, struct world_pose *pose);
 
-/** Reads Stage's size [x y z]; refuses what is not above 0. */
+/** Reads Stage's size [x y z], which must be above 0. */
 MU_MUST_USE mu_result builder_size(struct builder *b, const struct worldfile_entity *entity,
                                    double size_m[2]);
 
-/** Checks the sides of what moves. */
+/** Checks the sides of a moving body. */
 MU_MUST_USE mu_result builder_check_body(struct builder *b, const struct worldfile_entity *entity,
                                          double length_m, double width_m);
 
 /** @return where a property stands, else where the model stands */
 struct mu_fault_place builder_place(const struct worldfile_entity *entity, const char *key);
 
-/** Visits the models inside a model: first those of what it derives from. */
+/** Visits the models inside a model, those of its base first. */
 MU_MUST_USE mu_result builder_children(const struct worldfile_entity *entity,
                                        mu_result (*visit)(void *context,
                                                           const struct worldfile_entity *child),
                                        void *context);
 
-/** Adds a static shape.  at: whose it is, for the fault when there is no room. */
+/** Adds a static shape.  at: its model, for the fault when there is no room. */
 MU_MUST_USE mu_result builder_add_shape(struct builder *b, const struct world_shape *shape,
                                         const struct mu_fault_place *at);
 
@@ -152,7 +152,7 @@ bool look_color(const char *text, uint32_t *rgb);
 /** @return the name of an X11 colour that was meant; NULL: none is near */
 const char *look_color_near(const char *text);
 
-/** Builds what a static model is made of: its box, its blocks, its bitmap, its boundary. */
+/** Builds the parts of a static model: its box, its blocks, its bitmap, its boundary. */
 MU_MUST_USE mu_result solid_build(struct builder *b, const struct worldfile_entity *entity,
                                   struct world_pose pose);
 
@@ -167,11 +167,11 @@ MU_MUST_USE mu_result object_build(struct builder *b, const struct worldfile_ent
 MU_MUST_USE mu_result body_read(struct builder *b, const struct worldfile_entity *entity,
                                 struct world_pose frame, struct world_robot *robot);
 
-/** Sets what a robot's odometer reads at the start, which may depend on where it stands. */
+/** Sets the first reading of a robot's odometer, which may depend on its pose. */
 MU_MUST_USE mu_result body_read_start(struct builder *b, const struct worldfile_entity *entity,
                                       struct world_robot *robot);
 
-/** Reads what is mounted on a robot: sensors, gripper, parts. */
+/** Reads the devices of a robot: sensors, gripper, parts. */
 MU_MUST_USE mu_result device_read_all(struct builder *b, const struct worldfile_entity *entity,
                                       struct world_robot *robot);
 

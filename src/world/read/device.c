@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What is mounted on robots: sensors, grippers, and the parts that carry them. */
+/* Devices of robots: sensors, grippers, and the parts that carry them. */
 #include "world/read/builder.h"
 
 #include <math.h>
@@ -20,7 +20,7 @@ struct device_sonars {
     size_t count;
 };
 
-/* What is being read, and what it is mounted on. */
+/* The device being read, and its mount. */
 struct device_reader {
     struct builder *builder;
     struct world_robot *robot;
@@ -48,7 +48,7 @@ static mu_result device_read_period(struct builder *b, const struct worldfile_en
     return MU_OK;
 }
 
-/* A robot's consumption is the sum of what everything on it uses. */
+/* A robot's consumption is the sum over its devices. */
 static mu_result device_read_power(struct builder *b, const struct worldfile_entity *entity,
                                    struct world_robot *robot)
 {
@@ -363,7 +363,7 @@ static mu_result device_read_gripper(struct device_reader *reader,
 
 static mu_result device_visit(void *context, const struct worldfile_entity *entity);
 
-/* A model on a robot adds no matter to it; but what it bears counts for the robot. */
+/* A model on a robot adds no matter to it, but its fiducial counts for the robot. */
 static mu_result device_read_part(struct device_reader *reader,
                                   const struct worldfile_entity *entity)
 {

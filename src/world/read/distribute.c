@@ -17,7 +17,7 @@ enum { DISTRIBUTE_TRIES = 1000 }; /* for each */
 struct distribute {
     struct builder *builder;
     const struct worldfile_entity *entity; /* the `distribute` itself */
-    const struct worldfile_entity *model;  /* what is put there */
+    const struct worldfile_entity *model;  /* the definition of the body */
     bool is_robot;
     uint32_t count;
     double region_m[4]; /* x0 y0 x1 y1 */
@@ -44,7 +44,7 @@ static struct world_pose distribute_draw(struct distribute *d)
                                remainder(turn * 2 * M_PI, 2 * M_PI)};
 }
 
-/* Whether all of a shape lies in the region; what turns within it must not stick out. */
+/* Whether all of a shape lies in the region at any heading. */
 static bool distribute_is_inside(const struct distribute *d, const struct world_shape *shape)
 {
     double c = fabs(cos(shape->pose.heading_rad));

@@ -163,7 +163,7 @@ static mu_result look_read_returns(struct builder *b, const struct worldfile_ent
     MU_TRY(
         builder_numbers(b, entity, (struct builder_numbers){"ranger_return", &ranger, 1, 1, NULL}));
     look->echoes = ranger >= 0;
-    /* What neither stops nor echoes lies flat: it must not hide what stands behind it. */
+    /* A thing that neither stops nor echoes lies flat: it must not hide others. */
     look->shows = look->stops || look->echoes;
     MU_TRY(builder_flag(b, entity, "blob_return", &look->shows));
     MU_TRY(builder_number(b, entity,

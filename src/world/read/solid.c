@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What stands in the world: boxes, blocks, floor plans and boundaries.
+ * Fixed matter: boxes, blocks, floor plans and boundaries.
  *
  * Stage extrudes any polygon; here solid matter is convex and simple.  A block that is a rectangle
- * becomes just that box; one whose corners lie on a circle becomes a disc; any other one becomes
- * the smallest box around it that shares a direction with one of its sides.
+ * becomes that box.  One whose corners lie on a circle becomes a disc.  Any other one becomes the
+ * smallest box around it that shares a direction with one of its sides.
  */
 #include "world/parse/parser.h"
 #include "world/read/builder.h"
@@ -290,7 +290,7 @@ static void solid_mark_fiducial(struct world *world, size_t first, const struct 
     }
 }
 
-/* What charges robots never runs dry here. */
+/* A charger never runs dry. */
 static void solid_warn_store(struct builder *b, const struct worldfile_entity *entity)
 {
     static const char *const keys[] = {"joules", "kjoules"};
