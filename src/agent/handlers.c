@@ -93,7 +93,7 @@ void agent_reserve(struct group_process *g, const struct robot_options *set, uin
     g->count = count;
     mu_text_init(&g->listing, g->listing_bytes, sizeof g->listing_bytes);
     mu_text_init(&g->trace, g->trace_bytes, sizeof g->trace_bytes);
-    mu_text_init(&g->diary, g->diary_bytes, sizeof g->diary_bytes);
+    mu_text_init(&g->step_trace, g->step_trace_bytes, sizeof g->step_trace_bytes);
     migration_reserve(g);
     g->robots = mu_startup_array(count, sizeof *g->robots);
     for (uint32_t i = 0; i < count; i++) {

@@ -69,12 +69,12 @@ struct group_process {
     /* Buffers of an answer; one robot answers at a time. */
     char answer[ROBOT_ANSWER_MAX];
     char quoted[MU_CONTENT_MAX];
-    struct mu_text listing; /* for consoles: longer, and sent in pieces */
-    struct mu_text trace;   /* lines that the consoles of one robot have not got yet */
-    struct robot *traced;   /* the robot of trace, or NULL */
-    uint32_t trace_cut;     /* lines that did not fit */
-    struct mu_text diary;   /* of a robot's step */
-    char diary_bytes[MU_NOTE_MAX + 1];
+    struct mu_text listing;    /* for consoles: longer, and sent in pieces */
+    struct mu_text trace;      /* lines that the consoles of one robot have not got yet */
+    struct robot *traced;      /* the robot of trace, or NULL */
+    uint32_t trace_cut;        /* lines that did not fit */
+    struct mu_text step_trace; /* the execution trace of a robot's step */
+    char step_trace_bytes[MU_NOTE_MAX + 1];
     char listing_bytes[ROBOT_LISTING_MAX], trace_bytes[ROBOT_TRACE_MAX];
 };
 

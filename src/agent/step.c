@@ -9,12 +9,12 @@
 static void mind_hand(struct robot *r, mu_agent *a)
 {
     char goal[MU_FIELD_MAX + 1];
-    struct mu_text *diary = &r->group->diary;
+    struct mu_text *trace = &r->group->step_trace;
     mind_goal(r->mind, goal);
     mu_agent_want(a, goal);
-    mu_text_clear(diary);
-    mind_trace(r->mind, diary);
-    mu_agent_note(a, diary->at);
+    mu_text_clear(trace);
+    mind_trace(r->mind, trace);
+    mu_agent_note(a, trace->at);
 }
 
 /* The first step after its checkpoint.  The answer to it may not have gone out: it is sent again

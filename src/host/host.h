@@ -26,7 +26,7 @@ struct arrival {
     uint32_t pieces;                    /* that are there */
     size_t total;                       /* bytes that there are to be */
     uint64_t until_ns;                  /* the next one must come before */
-    struct mu_text text;                /* TRIP_CAPSULE_MAX */
+    struct mu_text text;                /* MIGRATION_SNAPSHOT_MAX */
     const struct checkpoint_head *head; /* of one from a checkpoint; else NULL */
 };
 
