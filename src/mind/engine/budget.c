@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What stops rules that do not end by themselves.  Everything is counted, nothing is timed, so that
- * a run that meets a guard is still the same run when it is done again.
+ * The budget of rules: ticks, depth and memory.  It counts work and never reads a clock, so that a
+ * run that exceeds its budget does so again at the same place.
  */
 #include "mind/engine/engine.h"
 
 #include <prccode.h>
 
-/* So many turns of loops, or pieces of memory, may pass without a look at the clock. */
+/* The port hears of work at least this often. */
 enum { BUDGET_WORK_UNITS = 256 * BUDGET_UNITS_A_TICK, BUDGET_WORK_ALLOCATIONS = 1024 };
 
 enum { BUDGET_NEAR = 8 }; /* arguments that cost nothing to find */
@@ -28,21 +28,20 @@ static void budget_stop(struct mind *m, const char *why)
 }
 
 /*
- * One expression can want any amount of memory, and one fact can complete any number of matches,
- * before CLIPS comes to a tick.  There is no way back out of the middle of that but this one.
+ * One expression can ask for any amount of memory, and one fact can complete any number of matches,
+ * before CLIPS calls a tick.  Only a jump leads out of the middle of that.
  */
-void budget_break(struct mind *m, const char *guard)
+void budget_break(struct mind *m, const char *why)
 {
-    (void)state_on(m,
-                   STATE_FAIL); /* illegal: the machine has no memory, nobody can go on without */
+    (void)state_on(m, STATE_FAIL); /* outside of a limited state the machine itself has no memory */
     heap_drop(m);
-    m->stopped = m->failed_by = guard;
+    m->stopped = m->failed_by = why;
     m->stack = NULL;
     m->cost.meter = NULL;
     longjmp(m->shelter, 1);
 }
 
-/* The rule whose patterns are being matched; NULL: none are. */
+/* The rule whose patterns CLIPS is matching, or NULL. */
 static const char *budget_matched(void *env)
 {
     const struct engineData *engine = EngineData(env);
@@ -72,17 +71,17 @@ void budget_say(struct mind *m)
     }
 }
 
-void budget_leave(struct mind *m, const char *guard)
+void budget_leave(struct mind *m, const char *why)
 {
     budget_say(m);
     if (state_mode(m) != STATE_MODE_LINE && m->options.ports.print) {
         m->options.ports.print(m->options.ports.self, m->lost);
         m->options.ports.print(m->options.ports.self, "\n");
     }
-    budget_break(m, guard);
+    budget_break(m, why);
 }
 
-/* CLIPS has asked for more memory than there is for it. */
+/* CLIPS calls this when heap_take has no memory for it. */
 static int budget_burst(void *env, size_t bytes)
 {
     struct mind *m = environment_mind(env);
@@ -98,8 +97,7 @@ void budget_allocated(struct mind *m)
     }
 }
 
-/* @return false: there were not so many left; none of them is counted, as nothing is done for them
- */
+/* @return false: fewer were left; nothing is done for them, so none is counted */
 static bool budget_count(struct mind *m, uint64_t units)
 {
     if (m->cost.units > BUDGET_UNITS_MAX || units > BUDGET_UNITS_MAX - m->cost.units) {
@@ -135,8 +133,7 @@ bool budget_charge(struct mind *m, uint64_t units)
     return !state_is_limited(m) || budget_count(m, units);
 }
 
-/* An argument of a call, counted from 1, is far down the list if it is one of a hundred thousand.
- */
+/* CLIPS walks the list of arguments to each of them: that costs something from the ninth on. */
 int budget_argument(void *env, int position)
 {
     struct mind *m = environment_mind(env);
@@ -194,7 +191,7 @@ void budget_evaluate_actions(void *env, struct defmodule *module, struct expr *a
 {
     const char *here = __builtin_frame_address(0);
     struct mind *m = environment_mind(env);
-    if (!m) { /* CLIPS makes its own first instances before the mind is tied to it */
+    if (!m) { /* CLIPS makes its first instances before the environment has a context */
         EvaluateProcActions(env, module, actions, variables, result, end);
         return;
     }

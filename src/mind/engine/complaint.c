@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What went wrong in a rule or a function, shown once. */
+/* Errors of rules and functions: each complaint is printed once. */
 #include "core/hash.h"
 #include "mind/engine/engine.h"
 
 #include <string.h>
 
-/* @return whether this complaint was shown before, be it of other numbers; remembers it */
-static bool fire_was_shown(struct mind *m, const char *text)
+/* Remembers a complaint, without its numbers.  @return whether it was shown before */
+static bool complaint_was_shown(struct mind *m, const char *text)
 {
     uint64_t hash = MU_HASH_EMPTY;
     for (const char *c = text; *c; c++) {
@@ -25,7 +25,7 @@ static bool fire_was_shown(struct mind *m, const char *text)
     return false;
 }
 
-/* Leaves out of what was said that the actions of this very rule were halted. */
+/* Cuts off the message that the actions of this rule were halted. */
 static void complaint_cut(char *said, const char *kind)
 {
     static const char halt[] = "[PRCCODE4] Execution halted during the actions of def";
@@ -38,7 +38,7 @@ static void complaint_cut(char *said, const char *kind)
     }
 }
 
-/* Adds what was said, as one line. */
+/* Adds a text as one line. */
 static void complaint_add(struct mu_text *line, const char *said)
 {
     size_t start = line->len;
@@ -68,7 +68,7 @@ void complaint_show(struct mind *m, const char *kind, const char *name)
         mu_text_format(&line, "stopped%s%s", m->stopped ? " by the guard for " : "",
                        m->stopped ? m->stopped : "");
     }
-    if (!fire_was_shown(m, line.at) && m->options.ports.print) {
+    if (!complaint_was_shown(m, line.at) && m->options.ports.print) {
         m->options.ports.print(m->options.ports.self, line.at);
         m->options.ports.print(m->options.ports.self, "\n");
     }

@@ -35,22 +35,23 @@ enum {
     TRACE_LINE = 1024,                 /* bytes of a person's line in it */
 };
 
-/* Where what CLIPS prints goes. */
+/* Where the text that CLIPS prints goes: errors to m->said, the rest likewise, to the port, or to
+ * the answer of a line with the errors. */
 enum state_mode { STATE_MODE_QUIET, STATE_MODE_FIRE, STATE_MODE_LINE };
 
-/* What a mind's CLIPS is at. */
+/* A mind does one thing at a time with its CLIPS. */
 enum mind_state {
     MIND_VACANT,   /* it has no environment */
     MIND_LOADING,  /* rules, or a snapshot */
     MIND_READY,    /* between two calls */
-    MIND_SENSING,  /* a percept, or what else it is told */
+    MIND_SENSING,  /* a percept, an event or a fact */
     MIND_TAKING,   /* mail */
     MIND_FIRING,   /* rules */
     MIND_HANDLING, /* mail or a question, by a deffunction */
     MIND_LINE,     /* a line that somebody typed */
     MIND_LOOKING,  /* a line that only looks */
     MIND_SAVING,
-    MIND_FAILED, /* it ran out of memory or time: its environment is gone */
+    MIND_FAILED, /* out of memory or time: its environment is gone */
     MIND_STATES
 };
 
@@ -78,17 +79,17 @@ struct failures_line {
     uint32_t count;
 };
 
-struct source_lines; /* clips_place.c */
+struct source_lines; /* source_lines.c */
 
-enum { HEAP_SIZES = 16 }; /* of small blocks */
+enum { HEAP_SIZES = 16 }; /* sizes of small blocks: 8, 16, ... bytes */
 
-/* What CLIPS has of memory: heap.c. */
+/* The memory of an environment: heap.c. */
 struct heap {
-    struct heap_item *large, *full, *pages[HEAP_SIZES]; /* pages that have room, by size */
+    struct heap_item *large, *full, *pages[HEAP_SIZES]; /* pages with room, by size of block */
     size_t held;                                        /* bytes in all blocks */
 };
 
-/* Globals that C code reads; clips_env.c says what they are. */
+/* Globals that C code reads; environment.c has their names and first values. */
 enum environment_number {
     ENVIRONMENT_SONAR_MARGIN,
     ENVIRONMENT_SONAR_CLIP,
@@ -97,16 +98,16 @@ enum environment_number {
     ENVIRONMENT_NUMBERS
 };
 
-/* What a fact that is asserted now is to the trace. */
+/* How the trace takes a fact that is asserted now. */
 enum trace_fact {
     TRACE_CAUSED, /* of the cause above it */
     TRACE_SENSED, /* of this step's percept */
-    TRACE_SHOWN   /* of a percept before: somebody looks now, who is not its cause */
+    TRACE_SHOWN   /* of an earlier percept, asserted now because somebody looks */
 };
 
 /*
- * A mind as its engine sees it.  It is the beginning of what the floors above have of a mind, which
- * only they and what stands above them know.
+ * A mind as its engine sees it.  It is the beginning of what each floor above has of a mind; only
+ * that floor and the floors above it know the rest.
  */
 struct mind {
     struct port_cost cost;  /* first: port.h */
@@ -125,18 +126,18 @@ struct mind {
     struct mu_text fired;
     const char *rule; /* that fired last */
 
-    /* guards */
+    /* budget */
     uint64_t worked; /* units of the cost, when the port was told last */
     long memory_max;
-    const char *stopped;   /* which guard, or NULL */
+    const char *stopped;   /* by which part of the budget, or NULL */
     const char *stack;     /* at the entry */
-    jmp_buf shelter;       /* in the function of mind.h that called into CLIPS */
-    uint32_t allocations;  /* of CLIPS, so far */
-    const char *failed_by; /* which guard, if its state is MIND_FAILED */
+    jmp_buf shelter;       /* in the function of mind.h that entered CLIPS */
+    uint32_t allocations;  /* so far */
+    const char *failed_by; /* the same, if its state is MIND_FAILED */
     char lost[224];        /* why, in words */
     struct failures_line failing[FAILURES_MAX];
     size_t failing_count;
-    uint64_t stops; /* by guards */
+    uint64_t stops; /* by the budget */
     char reason[MU_ATTRIBUTES_MAX + 1];
     bool enough; /* for that reason; since a step was told last */
 
@@ -157,27 +158,28 @@ struct mind {
 
 /* state.c */
 
-/** Applies an event.  An illegal one is a bug.  @return false: it was refused, and is counted */
+/** Applies an event; an illegal one aborts.  @return false: it was refused, and counted */
 bool state_on(struct mind *m, enum state_event event);
 
-/** Where what CLIPS prints goes now. */
+/** @return where the text that CLIPS prints goes now */
 enum state_mode state_mode(const struct mind *m);
 
-/** @return whether a call that wants too much ends now, and the mind with it */
+/** @return whether CLIPS is left, and the mind fails, when a call exceeds its budget */
 bool state_is_limited(const struct mind *m);
 
 /** @return whether it has an environment */
 bool state_has_rules(const struct mind *m);
 
 /**
- * Begins every function of mind.h that calls into CLIPS.  A call that wants more memory than it may
- * ever have ends here a second time: CLIPS is left in the middle of what it did, and all that it
- * had is gone.  @return false: the mind has no rules, or has them no more
+ * Begins each function of mind.h that calls into CLIPS.  If that call exceeds the limit of memory,
+ * it comes back to this place a second time: CLIPS was left where it was, and its memory is gone.
+ *
+ * @return false: the mind has no rules, or has lost them just now
  */
 #define MIND_ENTER(m, event) (mind_enter(m, event) && setjmp((m)->shelter) == 0)
 bool mind_enter(struct mind *m, enum state_event event);
 
-/** Ends it.  @return whether the last of it ended in an error */
+/** Ends it.  @return whether CLIPS has an error flag set */
 bool mind_leave(struct mind *m);
 
 /* environment.c */
@@ -187,20 +189,20 @@ static inline struct mind *environment_mind(void *env)
     return GetEnvironmentContext(env);
 }
 
-/** Takes out of an environment what rules must not reach, and sends its output to the mind. */
+/** Removes functions that rules must not call, and sends the output of CLIPS to the mind. */
 void environment_install(struct mind *m);
 
 /** Builds the globals that C code knows.  @return whether CLIPS has taken them */
 bool environment_build(struct mind *m);
 
-/** Before each thing that is done with CLIPS: its error flags are sticky (6.30), so they are
- * cleared. */
+/** Clears the error flags of CLIPS, which 6.30 keeps set, before each thing that is done with it.
+ */
 void environment_begin(struct mind *m);
 
-/** Behind it.  @return whether it ended in an error */
+/** Clears them again.  @return whether one was set */
 bool environment_end(struct mind *m);
 
-/** @return the mind that called into CLIPS last, of all of this process; entries: such calls */
+/** @return the mind of this process that used CLIPS last; entries: how often any mind has */
 struct mind *environment_entered(uint64_t *entries);
 
 /** Visits each module, which is the current one meanwhile. */
@@ -211,48 +213,48 @@ double environment_global(const struct mind *m, enum environment_number which);
 
 /* heap.c */
 
-/** Makes the environment of a mind; from here on, environment_mind knows whose it is. */
+/** Makes the environment of a mind; environment_mind finds the mind from then on. */
 void heap_make(struct mind *m);
 
-/** Gives back all memory of the environment, without a look at what stands in it. */
+/** Gives back all memory of the environment, whatever its contents. */
 void heap_drop(struct mind *m);
 
 /* budget.c */
 
-/** The answer of a broken mind, with m->lost. */
+/** The answer of a mind that has failed, with m->lost. */
 #define CLIPS_BROKEN_TEXT "the rules are gone: %s"
 
 void budget_install(struct mind *m);
 
-/** CLIPS is left where it is: the mind is broken, and m->lost says why.  Goes back to the shelter.
- */
-_Noreturn void budget_break(struct mind *m, const char *guard);
+/** Leaves CLIPS where it is; m->lost says why.  The mind has failed.  Jumps to the shelter. */
+_Noreturn void budget_break(struct mind *m, const char *why);
 
-/** Says in m->lost which call into CLIPS has not come back; in the middle of it, or of a signal. */
+/** Writes into m->lost which call has not returned; also from within it, or a signal handler. */
 void budget_say(struct mind *m);
 
-/** It does not come back: both. */
-_Noreturn void budget_leave(struct mind *m, const char *guard);
+/** Says which call has not returned, and leaves it. */
+_Noreturn void budget_leave(struct mind *m, const char *why);
 
-/** CLIPS was given memory: it may be long at work without a turn of a loop. */
+/** Tells the port of work now and then, because CLIPS may allocate for long without a tick. */
 void budget_allocated(struct mind *m);
+
+/** Gives a new budget of ticks.  @param memory_spare  bytes beside those that CLIPS has */
 void budget_start(struct mind *m, long memory_spare);
 
-/** Counts what C code does for a rule; BUDGET_UNITS_A_TICK are a turn of a loop.  @return false:
- * there are not so many left, and the rule is stopped */
+/** Counts the work of C code for a rule.  @return false: fewer units are left; the rule stops */
 bool budget_charge(struct mind *m, uint64_t units);
 
 /* meter.c */
 void meter_install(struct mind *m);
 
-/** An argument of the call is known: it is paid for, or becomes empty. */
+/** Charges for an argument that has its value now, or empties it. */
 void meter_take(struct mind *m, struct meter *meter, DATA_OBJECT *value);
 
-/* clips_place.c */
+/* source_lines.c */
 void source_lines_reserve(struct mind *m);
 void source_lines_install(struct mind *m);
 
-/** Notes where a construct stands; path NULL: it was typed, and an earlier one is forgotten. */
+/** Notes where a construct stands.  A typed one, path NULL, takes the place of an earlier one. */
 void source_lines_note(struct mind *m, const char *form, const char *path, int line);
 
 /** Adds " (FILE:LINE)" where the construct of that name is from a file. */
@@ -260,38 +262,38 @@ void source_lines_add(const struct mind *m, const char *name, struct mu_text *ou
 
 /* complaint.c */
 
-/** Shows what went wrong in a rule or handler, each complaint once; kind: "rule", ... */
+/** Prints the errors of a rule or a handler, each complaint once.  @param kind  "rule", ... */
 void complaint_show(struct mind *m, const char *kind, const char *name);
 
-/* clips_failure.c */
+/* failures.c */
 
-/** A rule has ended in an error, or was stopped: counts that, and says when it is enough. */
+/** Counts a failure of m->rule; m->enough says that it has failed too often. */
 void failures_note(struct mind *m);
 
 void failures_clear(struct mind *m);
 
-/* trace.c: each is nothing unless the options want a trace */
+/* trace.c: these functions do nothing unless the options want a trace */
 
 void trace_install(struct mind *m);
 
-/** What follows has this cause: kind is the line's letter; what and text may be "". */
+/** Begins a cause, of which the lines that follow are effects.  @param kind  the line's letter */
 void trace_cause(struct mind *m, char kind, const char *what, const char *text);
 
-/** Somebody's line is carried out: one form of it. */
+/** Notes one form of a line that somebody typed. */
 void trace_line(struct mind *m, struct syntax_form form);
 
 void trace_mail(struct mind *m, const struct mind_mail *mail);
 
-/** m->rule fires, on what CLIPS has bound. */
+/** Notes that m->rule fires, and its matches. */
 void trace_rule(struct mind *m);
 
-/** The speed was set. */
+/** Notes a new speed. */
 void trace_speed(struct mind *m, double forward_m_s, double turn_rad_s);
 
-/** A mail was handed to the port. */
+/** Notes a mail that the port has taken. */
 void trace_told(struct mind *m, const struct mind_letter *letter);
 
-/** What is left on the agenda when a step's firing has ended. */
+/** Notes the agenda that is left when a step's firing has ended. */
 void trace_agenda(struct mind *m);
 
 /* value.c */

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The environment of an engine: what is taken out of it, where its output goes, its globals. */
+/* The environment of an engine: its functions that rules must not call, its output, its globals. */
 #include "mind/engine/engine.h"
 
 #include <stdio.h>
 #include <string.h>
 
 /*
- * What rules must not reach: files, the shell, the process, the clock of the machine, and what
- * would take the functions themselves away.
+ * Rules must not reach files, the shell, the process or the clock of the machine, nor remove the
+ * functions of muster.
  */
 static const char *const env_denied[] = {
     "exit",
@@ -54,11 +54,11 @@ static const char *const env_denied[] = {
     "operating-system",
 };
 
-enum { ENVIRONMENT_PRINT_UNITS = 16 }; /* what a printed word costs, with one for each byte */
+enum { ENVIRONMENT_PRINT_UNITS = 16 }; /* the cost of a printed word, beside one for each byte */
 
 static const char *const env_kept_globals[2] = {"my-name", "mate"};
 
-/* Asked at each word that is printed, and at each byte of a file. */
+/* CLIPS asks this at each word that it prints, and at each byte of a file. */
 static inline bool env_is(const char *name, const char *route)
 {
     return name[0] == route[0] && name[1] == route[1] && strcmp(name, route) == 0;
@@ -77,7 +77,7 @@ static int env_route_query(void *env, const char *name)
     return FALSE;
 }
 
-/* Prints while rules fire, as long as the step's share lasts. */
+/* Prints while rules fire, within the limit of a step. */
 static void env_print(struct mind *m, const char *text)
 {
     size_t len = strlen(text);
@@ -91,7 +91,7 @@ static void env_print(struct mind *m, const char *text)
     m->options.ports.print(m->options.ports.self, text);
 }
 
-/* An empty line before a complaint says nothing to who has just typed one. */
+/* Leaves out the empty line before a complaint, which a console does not need. */
 static void env_print_line(struct mu_text *out, bool complaint, const char *text)
 {
     bool blank = out->len == 0 || out->at[out->len - 1] == '\n';
@@ -106,10 +106,10 @@ static int env_route_print(void *env, const char *name, const char *text)
     m->cost.units += ENVIRONMENT_PRINT_UNITS + strlen(text);
     bool complaint = env_is(name, WERROR) || env_is(name, WWARNING);
     if (complaint && m->stopped) {
-        return TRUE; /* each of a thousand calls would say that it ends */
+        return TRUE; /* else each of a thousand nested calls says that it ends */
     }
     if (m->state == MIND_FIRING && env_is(name, WDIALOG)) {
-        return TRUE; /* "Breaking on rule": the robot says so itself */
+        return TRUE; /* "Breaking on rule": the agent prints that itself */
     }
     const struct mind_ports *ports = &m->options.ports;
     bool watched = state_mode(m) != STATE_MODE_LINE && ports->trace && env_is(name, WTRACE);

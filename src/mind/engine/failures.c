@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What is counted of rules that fail, and when it is enough. */
+/* How often each rule has failed, and when that is too often. */
 #include "mind/engine/engine.h"
 
 #include <stdio.h>
@@ -10,7 +10,7 @@ void failures_clear(struct mind *m)
     m->failing_count = 0;
 }
 
-/* @return the line of a rule; NULL: so many others have failed that it gets none */
+/* @return the line of a rule; NULL: all lines belong to others */
 static struct failures_line *failure_line(struct mind *m, const char *rule)
 {
     for (size_t i = 0; i < m->failing_count; i++) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The memory of a mind's CLIPS.  Small blocks of one size share pages; each larger block is one of
- * malloc's.  All of them are in lists, so that a mind gives back everything at once, whatever state
- * CLIPS is in.
+ * malloc's.  All pages and large blocks stand in lists: a mind gives back everything at once,
+ * whatever CLIPS is doing.
  */
 #include "mind/engine/engine.h"
 

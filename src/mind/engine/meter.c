@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What functions of the engine cost that look at every byte or field of their arguments: as many
- * ticks as that takes, on every machine the same.  The engine has no tick inside of a function.
- * So an argument for which there are no ticks left comes to the function as an empty one, and the
- * rule ends behind it.
+ * The cost of CLIPS's functions that read every byte or field of their arguments.  CLIPS has no
+ * tick inside of a function, so each argument is charged when it has its value: the same on every
+ * machine.  An argument that exceeds the budget becomes empty, and the rule ends after the call.
  */
 #include "mind/engine/engine.h"
 
 #include <string.h>
 
-/* What a function does with its arguments. */
+/* How a function uses its arguments. */
 enum meter_kind {
     METER_BYTES,   /* reads texts */
     METER_SCAN,    /* reads texts, letter by letter */
@@ -17,18 +16,18 @@ enum meter_kind {
     METER_TEXT,    /* prints values, and the fields of multifields */
     METER_PRODUCT, /* for each field of the first, goes through the others */
     METER_SORT,    /* sorts all */
-    METER_FACT,    /* looks through the facts for the number that its first argument may be */
+    METER_FACT,    /* searches the facts for the index that its first argument may be */
     METER_FACTS,   /* the same for each argument */
     METER_AGENDA,  /* sorts the agenda */
     METER_ALL      /* looks at all symbols, or all matches of a rule */
 };
 
-/* In a sixty-fourth of a tick. */
+/* Units, of which BUDGET_UNITS_A_TICK are a tick. */
 enum {
-    METER_BYTES_A_UNIT = 64, /* that are copied or compared */
+    METER_BYTES_A_UNIT = 64, /* copied or compared */
     METER_A_SCAN = 8,
     METER_A_FIELD = 4,
-    METER_A_NUMBER = 64, /* to be printed */
+    METER_A_NUMBER = 64, /* printed */
     METER_A_FACT = 2,
     METER_AN_ALL = 64 * 2000,
     METER_AN_ACTIVATION = 2
@@ -133,14 +132,13 @@ static uint64_t meter_fields(const DATA_OBJECT *value)
     return value->type == MULTIFIELD ? (uint64_t)(value->end - value->begin + 1) : 1;
 }
 
-/* Of a text all bytes; a number is printed. */
+/* A text costs its bytes; a number costs its printing. */
 static uint64_t meter_word(unsigned short type, const void *value)
 {
     return meter_is_text(type) ? strlen(ValueToString(value)) / METER_BYTES_A_UNIT : METER_A_NUMBER;
 }
 
-/* Texts in it may be many times as long as what there is of memory: the sum ends where it is too
- * much. */
+/* One text may stand in many fields, so that the sum exceeds all memory: it ends at the budget. */
 static uint64_t meter_text(const DATA_OBJECT *value)
 {
     uint64_t units = 0;

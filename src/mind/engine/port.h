@@ -14,11 +14,11 @@
 #include <stdlib.h>
 
 enum {
-    BUDGET_TICKS_MAX = 2000000, /* turns of loops and returns of functions, a step or a line */
-    BUDGET_UNITS_A_TICK = 64,   /* bytes that a function reads, ... */
+    BUDGET_TICKS_MAX = 2000000, /* turns of loops and returns of functions, for a step or a line */
+    BUDGET_UNITS_A_TICK = 64,   /* a unit is about a byte that a function reads */
     BUDGET_UNITS_A_CALL = BUDGET_UNITS_A_TICK / 8,
-    BUDGET_UNITS_MAX = BUDGET_TICKS_MAX * BUDGET_UNITS_A_TICK, /* CLIPS is told to come back, */
-    BUDGET_UNITS_LEFT = 2 * BUDGET_UNITS_MAX                   /* and left where it is */
+    BUDGET_UNITS_MAX = BUDGET_TICKS_MAX * BUDGET_UNITS_A_TICK, /* CLIPS is told to come back */
+    BUDGET_UNITS_LEFT = 2 * BUDGET_UNITS_MAX                   /* CLIPS is left where it is */
 };
 
 /* A call of a function that pays for its arguments. */
@@ -49,7 +49,7 @@ int budget_argument(void *env, int position);
 struct dataObject;
 void budget_evaluated(void *env, struct dataObject *value);
 
-/* An expression has its value. */
+/* Evaluation of an expression ends with this. */
 #define PORT_EVALUATED(env, expression, value)                                                    \
     do {                                                                                          \
         struct port_cost *cost_ = ((struct environmentData *)(env))->context;                     \

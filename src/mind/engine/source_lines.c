@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Where rules and functions come from, for who reads that one has failed. */
+/* The file and line of each construct, for complaints. */
 #include "mind/engine/engine.h"
 #include "muster/memory.h"
 
@@ -9,7 +9,7 @@ enum { PLACE_FILES_MAX = 32, PLACES_MAX = 512 };
 
 struct place {
     char name[MU_FIELD_MAX + 1];
-    int file, line; /* file < 0: of no file */
+    int file, line; /* file < 0: it was typed */
 };
 
 struct source_lines {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The states of a mind.  One thing at a time is done with its CLIPS, and each has a state: what is
- * printed meanwhile, and whether memory is limited, are columns of it.
+ * The states of a mind: one table.  A mind does one thing at a time with its CLIPS.  Where output
+ * goes, and whether memory is limited, are columns of the state.
  */
 #include "mind/engine/engine.h"
 
@@ -22,7 +22,7 @@
         [STATE_DONE] = TO(READY), [STATE_FAIL] = TO(FAILED) \
     }
 
-/* An empty cell is a mistake of the caller's. */
+/* An empty cell is illegal: only a bug of ours gets there. */
 static const struct {
     enum state_outcome outcome;
     enum mind_state next;
@@ -48,7 +48,7 @@ static const struct {
     [MIND_FAILED] = {ALL_REFUSED, [STATE_CLOSE] = TO(VACANT)},
 };
 
-/* A mind that is short of memory does not fail because somebody looks. */
+/* Looking is not limited: it must not make a mind fail that is short of memory. */
 static const struct {
     enum state_mode mode;
     bool limited;
