@@ -119,13 +119,13 @@ def test_words_of_yesterday_are_found_in_names_and_comments():
     text = ('/* A capsule of a mind. */\nint glance_all(int *trips);\nint glance_all(int *trips)\n{\n'
             '    const char *said = "capsule";\n    return said[0] + trips[0]; // a snapshot\n}\n')
     with folder() as out:
-        code, said = tidied(out, {"mind/trace.c": text, "stats/capsule.c": calls("capsule_a")})
+        code, said = tidied(out, {"mind/diary.c": text, "stats/capsule.c": calls("capsule_a")})
         check_equal(code, 1, "the exit code")
         found = re.findall(r"^(src/\S+): (.*): say .* \(docs/concepts.md\)$", said, re.M)
-        check_equal(found, [("src/mind/trace.c:1", "diary"), ("src/mind/trace.c:2", "capsule"),
-                            ("src/mind/trace.c:3", "glance"), ("src/mind/trace.c:3", "trip"),
-                            ("src/mind/trace.c:4", "glance"), ("src/mind/trace.c:4", "trip"),
-                            ("src/mind/trace.c:7", "trip")], said)
+        check_equal(found, [("src/mind/diary.c:1", "diary"), ("src/mind/diary.c:2", "capsule"),
+                            ("src/mind/diary.c:3", "glance"), ("src/mind/diary.c:3", "trip"),
+                            ("src/mind/diary.c:4", "glance"), ("src/mind/diary.c:4", "trip"),
+                            ("src/mind/diary.c:7", "trip")], said)
 
 
 def test_names_of_the_wire_stay():
