@@ -4,6 +4,7 @@
  *   bench_mind_crew RULES_FOLDER FILE MINDS STEPS
  * prints milliseconds of processor time to make a mind, its memory in KiB, microseconds a cycle
  */
+#include "core/text_file.h"
 #include "mind/mind.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
@@ -70,8 +71,11 @@ static bool minds_make(struct mind **minds, uint64_t count, char **argv)
     for (uint64_t i = 0; i < count; i++) {
         char name[MU_NAME_MAX + 1];
         snprintf(name, sizeof name, "w_%llu", (unsigned long long)i);
-        struct mind_options options = {
-            .name = name, .seed = 1, .rules_folder = argv[1], .ports = {.send = post}};
+        struct mind_options options = {.read = mu_text_file_read,
+                                       .name = name,
+                                       .seed = 1,
+                                       .rules_folder = argv[1],
+                                       .ports = {.send = post}};
         if (mind_open(&minds[i], &options, &fault) != MU_OK ||
             mind_load(minds[i], argv[2], &fault) != MU_OK) {
             mu_fault_print(&fault);

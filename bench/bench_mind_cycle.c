@@ -5,6 +5,7 @@
  *   bench_mind_cycle RULES_FOLDER FILE COUNT
  * prints microseconds of processor time a cycle, and KiB of memory of a mind without any rules
  */
+#include "core/text_file.h"
 #include "mind/mind.h"
 #include "muster/limits.h"
 
@@ -66,7 +67,8 @@ static double resident_kib(void)
 
 static struct mind *mind_make(const char *folder, const char *file)
 {
-    struct mind_options options = {.name = "red", .seed = 1, .rules_folder = folder};
+    struct mind_options options = {
+        .read = mu_text_file_read, .name = "red", .seed = 1, .rules_folder = folder};
     struct mu_fault fault;
     struct mind *m;
     if (mind_open(&m, &options, &fault) != MU_OK || (file && mind_load(m, file, &fault) != MU_OK)) {

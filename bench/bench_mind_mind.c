@@ -4,6 +4,7 @@
  *   bench_mind_mind RULES_FOLDER FILE COUNT    prints microseconds a cycle
  */
 #include "core/clock.h"
+#include "core/text_file.h"
 #include "mind/mind.h"
 #include "muster/limits.h"
 
@@ -48,7 +49,8 @@ int main(int argc, char **argv)
     if (count < 1) {
         return 2;
     }
-    struct mind_options options = {.name = "blue",
+    struct mind_options options = {.read = mu_text_file_read,
+                                   .name = "blue",
                                    .seed = 1,
                                    .rules_folder = argv[1],
                                    .forward_max_m_s = 0.5,

@@ -90,7 +90,7 @@ POINTERS = {
     "checkpoint_each()": (1, "a visitor of checkpoints"),
     "console_answer()": (1, "what asks the mind, for a line or for a probe"),
     "struct mind_ports": (11, "ports of the mind: it has no process, and acts through them"),
-    "environment_each_module()": (1, "a visitor of modules of a mind"),
+    "struct mind_options": (1, "how the mind reads rule files: it has none itself"),
     "struct fan_kernel": (3, "kernels for the vector units of processors"),
     "struct record_listener": (3, "the session tells the recording of each step"),
     "struct condition_names": (1, "conditions read names of any world"),

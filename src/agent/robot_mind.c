@@ -6,6 +6,7 @@
 #include "agent/robot.h"
 #include "core/fault.h"
 #include "core/log.h"
+#include "core/text_file.h"
 #include "muster/memory.h"
 #include "planner/planner.h"
 #include "world/world_load.h"
@@ -82,7 +83,8 @@ static mu_result globals_set(struct mind *mind, const struct mu_option_list *glo
 struct mind_options robot_mind_options(struct robot *r, const char *folder)
 {
     const struct robot_options *set = r->group->set;
-    return (struct mind_options){.name = r->name,
+    return (struct mind_options){.read = mu_text_file_read,
+                                 .name = r->name,
                                  .seed = (uint64_t)set->seed,
                                  .rules_folder = folder,
                                  .rules_file = set->rules,

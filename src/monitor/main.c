@@ -5,6 +5,7 @@
 #include "core/log.h"
 #include "core/name.h"
 #include "core/paths.h"
+#include "core/text_file.h"
 #include "monitor/facts.h"
 #include "muster/memory.h"
 #include "runtime/returns.h"
@@ -195,7 +196,8 @@ static mu_result monitor_think(void)
                         "folder that has muster.clp\n");
         return MU_FAULT_FILE;
     }
-    struct mind_options options = {.name = r->name,
+    struct mind_options options = {.read = mu_text_file_read,
+                                   .name = r->name,
                                    .seed = (uint64_t)monitor.set.seed,
                                    .rules_folder = folder,
                                    .rules_file = monitor.set.rules,

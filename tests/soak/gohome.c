@@ -9,6 +9,7 @@
  * ever in something that stands.
  */
 #include "core/random.h"
+#include "core/text_file.h"
 #include "mind/mind.h"
 #include "muster/memory.h"
 #include "planner/planner.h"
@@ -73,7 +74,8 @@ static void trial_open(struct trial *t, const char *path)
     t->wanted = mu_startup_array(t->world.robot_count, sizeof *t->wanted);
     t->wanted[0] = MU_SENSE_SONAR;
     distance_map_make(&t->map, &t->world);
-    struct mind_options mind = {.name = "red",
+    struct mind_options mind = {.read = mu_text_file_read,
+                                .name = "red",
                                 .seed = 1,
                                 .rules_folder = "rules",
                                 .planner = planner_make(&t->map),

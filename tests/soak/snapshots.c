@@ -4,6 +4,7 @@
  * snapshot, and fires, prints and ends as the one that it was made of. snapshots FILE... Names the
  * files of which that is not so, and counts as tests do.
  */
+#include "core/text_file.h"
 #include "mind/mind.h"
 
 #include <stdio.h>
@@ -29,7 +30,8 @@ static void print(void *self, const char *text)
 static bool begin(struct side *s)
 {
     struct mu_fault fault;
-    struct mind_options options = {.name = "red", .seed = 1, .ports = {.self = s, .print = print}};
+    struct mind_options options = {
+        .read = mu_text_file_read, .name = "red", .seed = 1, .ports = {.self = s, .print = print}};
     s->mind = s->mind ? s->mind : mind_reserve();
     mind_close(s->mind);
     mu_text_init(&s->log, s->log_bytes, sizeof s->log_bytes);

@@ -118,6 +118,7 @@ struct mind {
     struct mind_options options;
     char name[MU_NAME_MAX + 1], folder[PATH_MAX], file[PATH_MAX]; /* that the options point to */
     struct defglobal *globals[ENVIRONMENT_NUMBERS];
+    struct defmodule *module;          /* the current one, while others are for a while */
     DATA_OBJECT kept[2];               /* values of ?*my-name* and ?*mate* while (reset) runs */
     struct source_lines *source_lines; /* of what was loaded */
 
@@ -205,8 +206,14 @@ bool environment_end(struct mind *m);
 /** @return the mind of this process that used CLIPS last; entries: how often any mind has */
 struct mind *environment_entered(uint64_t *entries);
 
-/** Visits each module, which is the current one meanwhile. */
-void environment_each_module(struct mind *m, void *self, void (*visit)(struct mind *m, void *self));
+/**
+ * Makes the module behind another one the current one, to the end: past the last it is the one
+ * again that was before the first.
+ *
+ * @param before  NULL: the first is wanted
+ * @return the module; NULL past the last
+ */
+struct defmodule *environment_next_module(struct mind *m, struct defmodule *before);
 
 /** @return the number that a global is set to; its first value when it is set to none */
 double environment_global(const struct mind *m, enum environment_number which);

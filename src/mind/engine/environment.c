@@ -177,15 +177,14 @@ bool environment_end(struct mind *m)
     return failed;
 }
 
-void environment_each_module(struct mind *m, void *self, void (*visit)(struct mind *m, void *self))
+struct defmodule *environment_next_module(struct mind *m, struct defmodule *before)
 {
-    struct defmodule *current = EnvGetCurrentModule(m->env);
-    for (struct defmodule *module = EnvGetNextDefmodule(m->env, NULL); module;
-         module = EnvGetNextDefmodule(m->env, module)) {
-        EnvSetCurrentModule(m->env, module);
-        visit(m, self);
+    if (!before) {
+        m->module = EnvGetCurrentModule(m->env);
     }
-    EnvSetCurrentModule(m->env, current);
+    struct defmodule *next = EnvGetNextDefmodule(m->env, before);
+    EnvSetCurrentModule(m->env, next ? next : m->module);
+    return next;
 }
 
 /* (reset) gives globals their first values: these two are kept over it. */

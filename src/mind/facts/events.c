@@ -53,28 +53,17 @@ static bool stands_on(const struct activation *a, const struct fact *fact)
     return false;
 }
 
-/* A fact, and whether a rule is about to fire for it. */
-struct awaited {
-    const struct fact *fact;
-    bool is;
-};
-
-static void agenda_look(struct mind *m, void *self)
-{
-    struct awaited *awaited = self;
-    for (struct activation *a = EnvGetNextActivation(m->env, NULL); a && !awaited->is;
-         a = EnvGetNextActivation(m->env, a)) {
-        awaited->is = stands_on(a, awaited->fact);
-    }
-}
-
 bool events_are_awaited(struct mind *m, enum mu_event event)
 {
-    struct awaited awaited = {.fact = inputs_of(m)->events[event]};
-    if (awaited.fact) {
-        environment_each_module(m, &awaited, agenda_look);
+    const struct fact *fact = inputs_of(m)->events[event];
+    bool awaited = false;
+    for (struct defmodule *d = NULL; fact && (d = environment_next_module(m, d));) {
+        for (struct activation *a = EnvGetNextActivation(m->env, NULL); a && !awaited;
+             a = EnvGetNextActivation(m->env, a)) {
+            awaited = stands_on(a, fact);
+        }
     }
-    return awaited.is;
+    return awaited;
 }
 
 void events_refuse(struct mind *m, const char *change, const char *reason)

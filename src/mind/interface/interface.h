@@ -18,6 +18,8 @@
 #include <stdint.h>
 
 struct planner;
+struct mu_fault;
+struct mu_text;
 
 /* A mail that came; every string is set, "" where the sender said nothing. */
 struct mind_mail {
@@ -102,6 +104,8 @@ struct mind_ports {
 enum { MIND_WAITS = 0, MIND_BREAKS = -1 };
 
 struct mind_options {
+    /* reads rule files: mu_text_file_read of core/text_file.h, or the like; NULL: there are none */
+    mu_result (*read)(const char *path, struct mu_text *out, struct mu_fault *fault);
     const char *name;         /* the robot's: ?*my-name* */
     uint64_t seed;            /* of (random), together with the name */
     const char *rules_folder; /* the shared library, and what (extends "FILE") may reach */

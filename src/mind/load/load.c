@@ -3,10 +3,7 @@
 #include "mind/load/load.h"
 #include "muster/memory.h"
 
-#include <errno.h>
-#include <limits.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { LOAD_TEXT_MAX = 2 * LOAD_FILE_MAX, LOAD_PATH_MAX = MU_FAULT_FILE_MAX + 1 };
@@ -36,31 +33,35 @@ void load_reserve(struct mind *m)
     loader_of(m)->form = mu_startup_alloc(LOAD_FILE_MAX);
 }
 
-/* Reads a file onto the stack of texts. */
-static mu_result load_read(struct mind *m, const char *path, const char **text,
+/* Reads a file into what is free of the stack of texts. */
+static mu_result load_read(const struct mind *m, const char *path, struct mu_text *text,
                            struct mu_fault *fault)
 {
-    FILE *f = fopen(path, "rb");
-    if (!f) {
-        return mu_fault_at(fault, path, 0, 0, "cannot be opened: %s", strerror(errno));
+    size_t used = loader_of(m)->text_used;
+    mu_text_init(text, loader_of(m)->text + used, LOAD_TEXT_MAX - used);
+    if (!m->options.read) {
+        (void)mu_fault_at(fault, path, 0, 0, "cannot be opened: this mind has no files");
+        return MU_ABSENT;
     }
-    char *to = loader_of(m)->text + loader_of(m)->text_used;
-    size_t room = LOAD_TEXT_MAX - loader_of(m)->text_used;
-    size_t len = fread(to, 1, room, f);
-    bool failed = ferror(f);
-    fclose(f);
-    if (failed) {
-        return mu_fault_at(fault, path, 0, 0, "cannot be read: %s", strerror(errno));
+    return m->options.read(path, text, fault);
+}
+
+/* Reads a file onto the stack. */
+static mu_result load_push(struct mind *m, const char *path, const char **at,
+                           struct mu_fault *fault)
+{
+    struct mu_text text;
+    if (load_read(m, path, &text, fault) != MU_OK) {
+        return MU_FAULT_FILE;
     }
-    if (len >= room || len > LOAD_FILE_MAX) {
+    if (text.cut || text.len > LOAD_FILE_MAX) {
         return mu_fault_at(fault, path, 0, 0, "is larger than a rule file may be (1 MiB)");
     }
-    to[len] = '\0';
-    if (strlen(to) != len) {
+    if (strlen(text.at) != text.len) {
         return mu_fault_at(fault, path, 0, 0, "is no text: it holds a zero byte");
     }
-    loader_of(m)->text_used += len + 1;
-    *text = to;
+    loader_of(m)->text_used += text.len + 1;
+    *at = text.at;
     return MU_OK;
 }
 
@@ -139,22 +140,21 @@ static bool load_is_extends(struct syntax_form f, char *name, size_t size, bool 
     return true;
 }
 
-static bool load_exists(const char *path)
+static bool load_exists(const struct mind *m, const char *path)
 {
-    FILE *f = fopen(path, "rb");
-    if (f) {
-        fclose(f);
-    }
-    return f != NULL;
+    struct mu_text text;
+    struct mu_fault fault;
+    return load_read(m, path, &text, &fault) != MU_ABSENT;
 }
 
 /* Joins a name to the folder of a file.  @return whether there is such a file */
-static bool load_beside(const char *file, const char *name, char *path, size_t size)
+static bool load_beside(const struct mind *m, const char *file, const char *name, char *path,
+                        size_t size)
 {
     const char *slash = strrchr(file, '/');
     int folder = slash ? (int)(slash - file) + 1 : 0;
     int len = snprintf(path, size, "%.*s%s", folder, file, name);
-    return len > 0 && (size_t)len < size && load_exists(path);
+    return len > 0 && (size_t)len < size && load_exists(m, path);
 }
 
 /* @return whether the library's file is replaced by one that lies beside the robot's rule file */
@@ -166,37 +166,48 @@ static bool load_replaces(const struct mind *m, const char *from, const char *na
     size_t len = library ? strlen(library) : 0;
     bool of_library = len > 0 && strncmp(from, library, len) == 0 && from[len] == '/' &&
                       !strchr(from + len + 1, '/');
-    return own && of_library && load_beside(own, name, path, size) && strcmp(path, own) != 0;
+    return own && of_library && load_beside(m, own, name, path, size) && strcmp(path, own) != 0;
 }
 
 /* Where an extended file is: beside the one that names it, else in the library. */
 static bool load_find(const struct mind *m, const char *from, const char *name, char *path,
                       size_t size)
 {
-    if (load_replaces(m, from, name, path, size) || load_beside(from, name, path, size)) {
+    if (load_replaces(m, from, name, path, size) || load_beside(m, from, name, path, size)) {
         return true;
     }
     if (!m->options.rules_folder) {
         return false;
     }
     int len = snprintf(path, size, "%s/%s", m->options.rules_folder, name);
-    return len > 0 && (size_t)len < size && load_exists(path);
+    return len > 0 && (size_t)len < size && load_exists(m, path);
+}
+
+/* @return whether two paths name the same file; links are not followed */
+static bool load_is_same(const char *a, const char *b)
+{
+    while (*a && *a == *b) {
+        a++;
+        b++;
+        while (strncmp(a, "./", 2) == 0 && a[-1] == '/') {
+            a += 2;
+        }
+        while (strncmp(b, "./", 2) == 0 && b[-1] == '/') {
+            b += 2;
+        }
+    }
+    return *a == *b;
 }
 
 /* @return whether a file is one of those being loaded */
 static bool load_is_open(const struct mind *m, const char *path)
 {
-    char real[PATH_MAX];
-    char other[PATH_MAX];
-    if (!realpath(path, real)) {
-        return false;
+    const struct mind_loader *l = loader_of(m);
+    size_t i = 0;
+    while (i < l->files_deep && !load_is_same(path, l->files[i])) {
+        i++;
     }
-    for (size_t i = 0; i < loader_of(m)->files_deep; i++) {
-        if (realpath(loader_of(m)->files[i], other) && strcmp(real, other) == 0) {
-            return true;
-        }
-    }
-    return false;
+    return i < l->files_deep;
 }
 
 static mu_result load_extends(struct mind *m, const char *from, int line, const char *name,
@@ -293,9 +304,9 @@ mu_result load_text(struct mind *m, const char *path, const char *at, struct mu_
 
 mu_result load_file(struct mind *m, const char *path, struct mu_fault *fault)
 {
-    const char *at;
+    const char *at = NULL;
     size_t used = loader_of(m)->text_used;
-    mu_result r = load_read(m, path, &at, fault);
+    mu_result r = load_push(m, path, &at, fault);
     r = r == MU_OK ? load_text(m, path, at, fault) : r;
     loader_of(m)->text_used = used;
     return r;

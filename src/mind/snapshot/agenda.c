@@ -47,9 +47,8 @@ static void key_make(struct mu_text *key, const struct activation *a)
     basis_add(key, a->basis);
 }
 
-static void module_save(struct mind *m, void *self)
+static void module_save(struct mind *m, struct mu_text *out)
 {
-    struct mu_text *out = self;
     char bytes[SNAPSHOT_KEY_MAX];
     struct mu_text key;
     mu_text_init(&key, bytes, sizeof bytes);
@@ -64,7 +63,9 @@ static void module_save(struct mind *m, void *self)
 
 void snapshot_save_agenda(struct mind *m, struct mu_text *out)
 {
-    environment_each_module(m, out, module_save);
+    for (struct defmodule *d = NULL; (d = environment_next_module(m, d));) {
+        module_save(m, out);
+    }
     mu_text_format(out, "agenda-end %llu\n", AgendaData(m->env)->CurrentTimetag);
     mu_text_add(out, "focus");
     for (const struct focus *f = EngineData(m->env)->CurrentFocus; f; f = f->next) {
@@ -135,9 +136,8 @@ static bool agenda_read(struct snapshot *c, struct agenda *g)
     return true;
 }
 
-static void module_load(struct mind *m, void *self)
+static void module_load(struct mind *m, struct agenda *g)
 {
-    struct agenda *g = self;
     char bytes[SNAPSHOT_KEY_MAX];
     struct mu_text key;
     mu_text_init(&key, bytes, sizeof bytes);
@@ -164,8 +164,8 @@ static mu_result activations_load(struct snapshot *c)
     struct agenda g;
     agenda_make(m, &g, c->at);
     bool read = agenda_read(c, &g);
-    if (read) {
-        environment_each_module(m, &g, module_load);
+    for (struct defmodule *d = NULL; read && (d = environment_next_module(m, d));) {
+        module_load(m, &g);
     }
     rm(m->env, g.lines, g.places * sizeof *g.lines);
     if (!read) {

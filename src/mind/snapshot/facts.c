@@ -33,26 +33,17 @@ static bool global_save(struct mu_text *out, const struct defglobal *g)
     return good;
 }
 
-struct globals_saved {
-    struct mu_text *out;
-    bool good;
-};
-
-static void globals_save(struct mind *m, void *self)
-{
-    struct globals_saved *s = self;
-    for (struct defglobal *g = EnvGetNextDefglobal(m->env, NULL); g && s->good;
-         g = EnvGetNextDefglobal(m->env, g)) {
-        s->good = global_save(s->out, g);
-    }
-}
-
 bool snapshot_save_globals(struct mind *m, struct mu_text *out, const char **why)
 {
-    struct globals_saved s = {.out = out, .good = true};
-    environment_each_module(m, &s, globals_save);
-    *why = s.good ? NULL : "a global holds an address that means nothing elsewhere";
-    return s.good;
+    bool good = true;
+    for (struct defmodule *d = NULL; (d = environment_next_module(m, d));) {
+        for (struct defglobal *g = EnvGetNextDefglobal(m->env, NULL); g && good;
+             g = EnvGetNextDefglobal(m->env, g)) {
+            good = global_save(out, g);
+        }
+    }
+    *why = good ? NULL : "a global holds an address that means nothing elsewhere";
+    return good;
 }
 
 /* Takes a module, which becomes the current one, and a name in it.  @return NULL: there is none */

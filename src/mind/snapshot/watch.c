@@ -48,12 +48,6 @@ static void templates_save(struct mind *m, struct mu_text *out)
     }
 }
 
-static void module_save(struct mind *m, void *self)
-{
-    rules_save(m, self);
-    templates_save(m, self);
-}
-
 void snapshot_save_watch(struct mind *m, struct mu_text *out)
 {
     mu_text_add(out, "watch");
@@ -63,7 +57,10 @@ void snapshot_save_watch(struct mind *m, struct mu_text *out)
     mu_text_format(out, " %d", output_of(m)->passes);
     snapshot_add_word(out, output_of(m)->stands);
     mu_text_add(out, "\n");
-    environment_each_module(m, out, module_save);
+    for (struct defmodule *d = NULL; (d = environment_next_module(m, d));) {
+        rules_save(m, out);
+        templates_save(m, out);
+    }
 }
 
 /* --- loading ---------------------------------------------------------------------------------- */

@@ -5,6 +5,7 @@
  *   embedded FILE...
  * Prints what the rules print, and behind each file a line "--- FILE".
  */
+#include "core/text_file.h"
 #include "mind/mind.h"
 
 #include <stdio.h>
@@ -30,8 +31,11 @@ static void run(struct mind **m, const char *path)
 {
     struct mu_fault fault;
     struct mind_act act;
-    struct mind_options options = {
-        .name = "blue", .seed = 1, .firings_max = FIRINGS, .ports = {.send = post, .print = print}};
+    struct mind_options options = {.read = mu_text_file_read,
+                                   .name = "blue",
+                                   .seed = 1,
+                                   .firings_max = FIRINGS,
+                                   .ports = {.send = post, .print = print}};
     mu_result r = mind_open(m, &options, &fault);
     r = r == MU_OK ? mind_load(*m, path, &fault) : r;
     if (r != MU_OK) {

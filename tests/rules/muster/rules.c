@@ -31,6 +31,7 @@
  */
 #include "core/attributes.h"
 #include "core/sensors.h"
+#include "core/text_file.h"
 #include "mind/mind.h"
 #include "muster/limits.h"
 
@@ -678,7 +679,8 @@ static mu_result load(struct bench *b, FILE *f, struct mu_fault *fault)
     int number;
     const char *options = find_header(f, "options: ", line, sizeof line, &number);
     bool library = !options || !strstr(options, "library=no");
-    struct mind_options o = {.name = "blue",
+    struct mind_options o = {.read = mu_text_file_read,
+                             .name = "blue",
                              .seed = 1,
                              .rules_folder = library ? "rules" : NULL,
                              .firings_max = option_of(options, "budget="),

@@ -3,6 +3,7 @@
  * The library's behaviours in a closed loop: four minds drive discs on wheels on a walled floor
  * with boxes and pillars.  No physics: a move into something does not happen, and stalls the robot.
  */
+#include "core/text_file.h"
 #include "mind/mind.h"
 #include "muster/limits.h"
 #include "suite.h"
@@ -199,7 +200,8 @@ static void start(uint64_t seed)
         struct mu_fault fault;
         struct body *b = &bodies[i];
         *b = (struct body){.x = 1.0 - 1.2 * (double)i, .index = i};
-        struct mind_options options = {.name = names[i],
+        struct mind_options options = {.read = mu_text_file_read,
+                                       .name = names[i],
                                        .seed = seed,
                                        .rules_folder = "rules",
                                        .forward_max_m_s = 0.5,

@@ -4,6 +4,7 @@
  * damaged rules: whatever they do, the mind answers the next line, or says that its rules are gone.
  * MUSTER_SEED and MUSTER_ROUNDS choose others and more: make soak-minds.
  */
+#include "core/text_file.h"
 #include "garble.h"
 #include "mind/mind.h"
 #include "muster/limits.h"
@@ -363,7 +364,8 @@ static void fuzz_open(struct fuzz *f)
         mind_close(minds[f->minds - 1]);
     }
     CU_ASSERT_FATAL(f->minds < MINDS_MAX);
-    struct mind_options options = {.name = "blue",
+    struct mind_options options = {.read = mu_text_file_read,
+                                   .name = "blue",
                                    .seed = 1,
                                    .rules_folder = "rules",
                                    .failures_max = 10,

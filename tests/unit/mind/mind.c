@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The mind from C: its limits, its globals, and the fragment of rules that the paper publishes. */
 #include "mind/mind.h"
+#include "core/text_file.h"
 #include "muster/limits.h"
 #include "suite.h"
 
@@ -40,7 +41,8 @@ static struct mind *open_mind(const char *rules_folder)
 {
     struct mu_fault fault;
     struct mind *m = NULL;
-    struct mind_options options = {.name = "blue",
+    struct mind_options options = {.read = mu_text_file_read,
+                                   .name = "blue",
                                    .seed = 1,
                                    .rules_folder = rules_folder,
                                    .forward_max_m_s = 0.5,

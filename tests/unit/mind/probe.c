@@ -5,6 +5,7 @@
  */
 #include "core/probe.h"
 #include "core/random.h"
+#include "core/text_file.h"
 #include "mind/mind.h"
 #include "muster/limits.h"
 #include "suite.h"
@@ -71,7 +72,8 @@ static const char *entry(void *self, enum mind_list list, const char *of, size_t
 static void soul_begin(struct soul *s, const char *library, const char *rules)
 {
     struct mu_fault fault = {.text = ""};
-    struct mind_options options = {.name = "blue",
+    struct mind_options options = {.read = mu_text_file_read,
+                                   .name = "blue",
                                    .seed = 3,
                                    .rules_folder = library,
                                    .forward_max_m_s = 0.5,

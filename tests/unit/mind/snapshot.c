@@ -4,6 +4,7 @@
  * same order, the same mail, and at the end the same snapshot.
  */
 #include "core/random.h"
+#include "core/text_file.h"
 #include "mind/mind.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
@@ -42,7 +43,8 @@ static void print(void *self, const char *text)
 static void soul_begin(struct soul *s, const char *name, const char *library)
 {
     struct mu_fault fault;
-    struct mind_options options = {.name = name,
+    struct mind_options options = {.read = mu_text_file_read,
+                                   .name = name,
                                    .seed = 3,
                                    .rules_folder = library,
                                    .forward_max_m_s = 0.5,

@@ -3,6 +3,7 @@
  */
 #include "monitor/facts.h"
 #include "core/paths.h"
+#include "core/text_file.h"
 #include "mind/mind.h"
 #include "muster/memory.h"
 #include "suite.h"
@@ -39,8 +40,10 @@ static int mind_make(void)
 {
     char folder[PATH_MAX], path[PATH_MAX];
     struct mu_fault fault;
-    struct mind_options options = {
-        .name = "watcher", .rules_folder = folder, .ports = {.print = port_print}};
+    struct mind_options options = {.read = mu_text_file_read,
+                                   .name = "watcher",
+                                   .rules_folder = folder,
+                                   .ports = {.print = port_print}};
     bool made = mu_path_rules(folder, sizeof folder) &&
                 mu_path_join(path, sizeof path, folder, "monitor.clp") &&
                 mind_open(&mind, &options, &fault) == MU_OK &&
