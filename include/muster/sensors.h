@@ -23,7 +23,8 @@
     X(SONAR, "sonar", "a ring of sonars") \
     X(LASER, "laser", "a scanner with one beam a sample") \
     X(CAMERA, "camera", "a camera that finds blobs of colour") \
-    X(FIDUCIALS, "fiducials", "a finder of the numbers that things bear")
+    X(FIDUCIALS, "fiducials", "a finder of the numbers that things bear") \
+    X(LASER_INTENSITY, "laser-intensity", "a part of the laser: how well each beam comes back")
 
 /* Numbers that every body has: X(type, member, unit in rules, column of run.csv, text). */
 #define MU_READINGS(X) \
@@ -56,7 +57,10 @@
     X(BLOBS, MU_SENSE_CAMERA, struct mu_blob, blobs, blob_count, MU_BLOBS_MAX, BLOB, "blob", \
       "nearest first") \
     X(FIDUCIALS, MU_SENSE_FIDUCIALS, struct mu_fiducial, fiducials, fiducial_count, \
-      MU_FIDUCIALS_MAX, FIDUCIAL, "fiducial", "nearest first")
+      MU_FIDUCIALS_MAX, FIDUCIAL, "fiducial", "nearest first") \
+    X(LASER_INTENSITY, MU_SENSE_LASER | MU_SENSE_LASER_INTENSITY, float, laser_intensity, \
+      laser_intensity_count, MU_BEAMS_MAX, AS_IS, "laser-intensity", \
+      "reflectance of what each beam meets, from right to left; 0: it meets nothing")
 
 /* Fields of the records: X(type, member, unit in rules, text).  Angles are from the middle of the
  * picture. */

@@ -22,11 +22,23 @@ double laser_reach(const struct laser *laser)
     return laser->table.count ? laser->range.max_m + hypot(laser->place.x, laser->place.y) : 0;
 }
 
+/* Stage's: the ranger_return of what a beam meets. */
+static float laser_intensity(const struct solid *hit)
+{
+    return hit ? (float)hit->look.reflectance : 0;
+}
+
 static void laser_sweep(const struct laser *laser, const struct sensing *at)
 {
     struct frame eye = frame_join(&at->robot, &laser->place);
     struct fan_eye fan = {eye.x, eye.y, eye.c, eye.s, laser->range.max_m, SOLID_ECHOES};
-    fan_kernel()->sweep(&laser->table, &fan, &at->near.solids, at->range_m, NULL);
+    bool deep = at->due & MU_SENSE_LASER_INTENSITY;
+    fan_kernel()->sweep(&laser->table, &fan, &at->near.solids, at->range_m, deep ? at->hit : NULL);
+    for (uint32_t k = 0; k < laser->table.count && deep; k++) {
+        int64_t hit = at->hit[k];
+        at->lists->laser_intensity[k] =
+            laser_intensity(hit == FAN_NOTHING ? NULL : gather_solid(at->gather, hit));
+    }
 }
 
 /* Beams with an angular error are no fan: each is cast as a ray of its own. */
@@ -40,7 +52,12 @@ static void laser_scatter(const struct laser *laser, const struct sensing *at)
         double y = laser->table.along_y[k];
         double along[2] = {eye.c * x - eye.s * y, eye.s * x + eye.c * y};
         noise_turn(&laser->noise, along, draw_bits(key, k));
-        at->range_m[k] = grid_ray(at->grid, at->self, from, along, laser->range.max_m);
+        const struct solid *hit;
+        at->range_m[k] = grid_find(at->grid, (struct grid_eye){at->self, SOLID_ECHOES}, from, along,
+                                   laser->range.max_m, &hit);
+        if (at->due & MU_SENSE_LASER_INTENSITY) {
+            at->lists->laser_intensity[k] = laser_intensity(hit);
+        }
     }
 }
 
@@ -59,6 +76,9 @@ void laser_read(const struct laser *laser, const struct sensing *at)
         laser_scatter(laser, at);
     } else {
         laser_sweep(laser, at);
+    }
+    if (!(at->due & MU_SENSE_LASER)) {
+        return;
     }
     if (!noise_is_exact(&laser->noise)) {
         laser_blur(laser, at);

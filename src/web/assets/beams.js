@@ -44,12 +44,28 @@ function drawFan(context, robot, mount, ranges, ink) {
   context.stroke();
 }
 
+/* What shines more than a wall does: a dot where the beam ends. */
+function drawReflectors(context, robot, mount, ranges, intensity, ink) {
+  const [x, y, heading] = mountPose(robot, mount);
+  const steps = Math.max(1, ranges.length - 1);
+  context.fillStyle = ink.beamEdge;
+  for (let i = 0; i < intensity.length; i++) {
+    if (intensity[i] <= 1) continue;
+    const angle = heading - mount[3] / 2 + mount[3] * i / steps;
+    context.beginPath();
+    context.arc(x + ranges[i] * Math.cos(angle), y + ranges[i] * Math.sin(angle), 3 * context.lineWidth, 0, 2 * Math.PI);
+    context.fill();
+  }
+}
+
 /** Draws the beams of one robot of a frame. */
 export function drawBeams(context, camera, figure, frame, index, ink) {
   const robot = frame.robots[index];
   const sonar = frame.lists.sonar.get(index), laser = frame.lists.laser.get(index);
   context.lineWidth = 1 / camera.scale;
+  const intensity = frame.lists['laser-intensity'].get(index);
   if (laser && figure.lasers[0]) drawFan(context, robot, figure.lasers[0], laser, ink);
+  if (laser && intensity && figure.lasers[0]) drawReflectors(context, robot, figure.lasers[0], laser, intensity, ink);
   if (!sonar) return;
   const count = Math.min(sonar.length, figure.sonars.length);
   for (let i = 0; i < count; i++) drawCone(context, robot, figure.sonars[i], sonar[i], ink);

@@ -24,13 +24,14 @@ struct world_pose {
 
 /* How a thing looks to bodies and sensors: Stage's "returns". */
 struct world_look {
-    uint32_t rgb;     /* 0xRRGGBB */
-    bool stops;       /* bodies bump into it (obstacle_return) */
-    bool echoes;      /* sonar and laser see it (ranger_return not below 0) */
-    bool shows;       /* the camera sees it (blob_return) */
-    bool graspable;   /* a gripper can take it (gripper_return) */
-    int32_t fiducial; /* that the fiducial finder reads; 0: it bears none */
-    double give_w;    /* power that it charges robots with; 0: none */
+    uint32_t rgb;       /* 0xRRGGBB */
+    bool stops;         /* bodies bump into it (obstacle_return) */
+    bool echoes;        /* sonar and laser see it (ranger_return not below 0) */
+    bool shows;         /* the camera sees it (blob_return) */
+    bool graspable;     /* a gripper can take it (gripper_return) */
+    double reflectance; /* that a laser's intensity shows (ranger_return, or laser_return) */
+    int32_t fiducial;   /* that the fiducial finder reads; 0: it bears none */
+    double give_w;      /* power that it charges robots with; 0: none */
 };
 
 /* A convex piece of solid matter: a box (half sizes) or a disc. */

@@ -163,6 +163,10 @@ static mu_result look_read_returns(struct builder *b, const struct worldfile_ent
     MU_TRY(
         builder_numbers(b, entity, (struct builder_numbers){"ranger_return", &ranger, 1, 1, NULL}));
     look->echoes = ranger >= 0;
+    look->reflectance = ranger;
+    MU_TRY(builder_number(b, entity,
+                          (struct builder_numbers){"laser_return", &look->reflectance, 1, 1, NULL},
+                          -most, most));
     /* A thing that neither stops nor echoes lies flat: it must not hide others. */
     look->shows = look->stops || look->echoes;
     MU_TRY(builder_flag(b, entity, "blob_return", &look->shows));

@@ -159,3 +159,27 @@
 ; line: (gripper 1)
 ; expect: [ARGACCES5] Function gripper expected argument #1 to be of type symbol or string
 ; expect: refused
+;
+; The laser's intensity is a part of the laser: who looks at it has both.
+; list: laser-intensity 1 0.5 0
+; senses:
+; expect: senses laser camera fiducials
+; step:
+; line: (laser-intensity)
+; expect: ()
+; facts: laser-intensity
+; expect: For a total of 0 facts.
+; line: (defrule shines (laser-intensity ?time ?first $?others) => (printout t ?first " then " $?others crlf))
+; senses:
+; expect: senses laser camera fiducials laser-intensity
+; step:
+; step:
+; expect: 1.0 then (0.5 0.0)
+; line: (laser-intensity 1)
+; expect: 0.5
+; line: (laser-intensity 1 2)
+; expect: (0.5 0.0)
+; line: (laser-intensity 3)
+; expect: [MUSTER1] Function laser-intensity expected the index of a beam that was read, from 0
+; expect: FALSE
+; expect: refused

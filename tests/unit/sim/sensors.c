@@ -256,6 +256,48 @@ static void test_a_fan_without_width_looks_ahead(void)
     }
 }
 
+static void expect_intensities(const struct mu_percept *p)
+{
+    static const float wanted[] = {2.5f, 0, 0.5f};
+    CU_ASSERT_EQUAL_FATAL(p->laser_intensity_count, 3);
+    for (size_t k = 0; k < 3; k++) {
+        CU_ASSERT_EQUAL(p->laser_intensity[k], wanted[k]);
+    }
+}
+
+static void test_intensity_is_the_reflectance_of_what_a_beam_meets(void)
+{
+    for (size_t i = 0; i < 2; i++) {
+        clear();
+        give_laser(add_robot(0, 0, 0), 180, 3)->noise.angle_rad = i == 0 ? 0 : 1e-9;
+        add_box(0, -2, 0.5, 0.1)->look.reflectance = 2.5;
+        add_box(0, 2, 0.5, 0.1)->look.reflectance = 0.5;
+        add_box(0, 3, 0.5, 0.1)->look.reflectance = 7; /* behind the other */
+        struct mu_percept p = look(MU_SENSE_LASER | MU_SENSE_LASER_INTENSITY);
+        expect_intensities(&p);
+        near_to((double)p.laser_m[0], 1.9);
+    }
+}
+
+static void test_intensity_is_read_for_those_who_ask(void)
+{
+    clear();
+    struct world_robot *r = add_robot(0, 0, 0);
+    give_laser(r, 180, 3);
+    r->period_ns[MU_SENSOR_LASER] = 10 * STEP_MS * 1000000ull;
+    add_box(0, -2, 0.5, 0.1)->look.reflectance = 2.5;
+    add_box(0, 2, 0.5, 0.1)->look.reflectance = 0.5;
+    start(1, 1);
+    struct mu_percept p = read(0, MU_SENSE_LASER, 0);
+    CU_ASSERT(p.laser_count == 3 && p.laser_intensity_count == 0);
+    p = read(0, MU_SENSE_LASER | MU_SENSE_LASER_INTENSITY,
+             1); /* between two readings of the laser */
+    expect_intensities(&p);
+    p = read(0, MU_SENSE_LASER_INTENSITY, 2);
+    CU_ASSERT(p.laser_count == 0 && p.laser_intensity_count == 0);
+    sensors_close(scene->sensors);
+}
+
 /* --- camera ----------------------------------------------------------------------------------- */
 
 static struct world_camera *give_camera(struct world_robot *r, double fov_deg, uint32_t columns)
@@ -636,6 +678,9 @@ int main(void)
         {"flat incidence loses the echo", test_flat_incidence_loses_the_echo},
         {"a laser scans from right to left", test_a_laser_scans_from_right_to_left},
         {"a fan without width looks ahead", test_a_fan_without_width_looks_ahead},
+        {"intensity is the reflectance of what a beam meets",
+         test_intensity_is_the_reflectance_of_what_a_beam_meets},
+        {"intensity is read for those who ask", test_intensity_is_read_for_those_who_ask},
         {"ranges stay inside their limits", test_ranges_stay_inside_their_limits},
         {"noise has the deviation that the world says",
          test_noise_has_the_deviation_that_the_world_says},
