@@ -191,6 +191,32 @@ static void test_who_is_refused_leaves_nothing_behind(void)
     READS(why, "full");
 }
 
+/* A step may come before the broker's word: it is passed over, and counted. */
+static void test_a_step_before_the_name_is_passed_over(void)
+{
+    struct mu_percept step = {.robot = "ruby", .step = 7, .time_ns = 700000000};
+    host_begin();
+    mover_write("ruby", 1);
+    struct robot *r = take();
+    CU_ASSERT_PTR_NOT_NULL_FATAL(r);
+    step_on_step(r, r->agent, &step);
+    CU_ASSERT_EQUAL(r->state, ROBOT_ARRIVES);
+    CU_ASSERT_EQUAL(r->early_steps, 1);
+    lifecycle_on_registered(r, r->agent, true, "");
+    CU_ASSERT_EQUAL(r->state, ROBOT_RESTS);
+    step_on_step(r, r->agent, &step);
+    CU_ASSERT_EQUAL(r->state, ROBOT_PERCEIVES); /* it runs: its mind takes it when it acts */
+    CU_ASSERT_EQUAL(r->early_steps, 1);
+    mu_agent_suspend(r->agent, "");
+    CU_ASSERT_EQUAL(r->state, ROBOT_RESTS);
+    step_on_step(r, r->agent, &step);
+    CU_ASSERT_EQUAL(r->state, ROBOT_RESTS);
+    group_process_drop(r);
+    CU_ASSERT_EQUAL(r->state, ROBOT_VACANT);
+    step_on_step(r, r->agent, &step);
+    CU_ASSERT_EQUAL(r->state, ROBOT_VACANT);
+}
+
 /* --- journeys --------------------------------------------------------------------------------- */
 
 /* Who lives on a host, and knows of another one. */
@@ -449,6 +475,7 @@ int main(void)
          test_a_later_copy_takes_the_place_of_one_that_waits},
         {"one that lives here stays", test_one_that_lives_here_stays},
         {"who is refused leaves nothing behind", test_who_is_refused_leaves_nothing_behind},
+        {"a step before the name is passed over", test_a_step_before_the_name_is_passed_over},
         {"an agent makes one journey at a time", test_an_agent_makes_one_journey_at_a_time},
         {"words reach whom they are about", test_words_reach_whom_they_are_about},
         {"words out of place are counted", test_words_out_of_place_are_counted},

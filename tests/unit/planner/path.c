@@ -6,11 +6,11 @@
 
 #include <math.h>
 
-enum { ROUTERS = 16 };
+enum { PLANNERS = 16 };
 
 static const double half_m = 0.25;
-static struct planner *routers[ROUTERS]; /* memory for the life of the process */
-static struct distance_map maps[ROUTERS];
+static struct planner *planners[PLANNERS]; /* memory for the life of the process */
+static struct distance_map maps[PLANNERS];
 static size_t made;
 
 /* A floor of 10 x 10 m and what else is said; the map that goes with it is the last. */
@@ -21,13 +21,13 @@ static struct planner *floor_with(const char *text)
     const struct world *world = load(all);
     CU_ASSERT_PTR_NOT_NULL_FATAL(world);
     distance_map_make(&maps[made], world);
-    routers[made] = planner_make(&maps[made]);
-    return routers[made++];
+    planners[made] = planner_make(&maps[made]);
+    return planners[made++];
 }
 
-static mu_result go(struct planner *r, double x0, double y0, double x1, double y1, struct path *out)
+static mu_result go(struct planner *p, double x0, double y0, double x1, double y1, struct path *out)
 {
-    return planner_search(r, (double[]){x0, y0}, (double[]){x1, y1}, half_m, out);
+    return planner_search(p, (double[]){x0, y0}, (double[]){x1, y1}, half_m, out);
 }
 
 /* How near a way comes to something, looked at every centimetre. */
@@ -55,7 +55,7 @@ static void test_straight_on(void)
     CU_ASSERT_EQUAL_FATAL(way.count, 1);
     CU_ASSERT_EQUAL(way.points_m[0][0], 3.03);
     CU_ASSERT_EQUAL(way.points_m[0][1], 2.51);
-    CU_ASSERT_EQUAL(go(routers[made - 1], 1, 1, 1.01, 1.01, &way), MU_OK);
+    CU_ASSERT_EQUAL(go(planners[made - 1], 1, 1, 1.01, 1.01, &way), MU_OK);
     CU_ASSERT_EQUAL_FATAL(way.count, 1);
     CU_ASSERT_EQUAL(way.points_m[0][0], 1.01);
 }
@@ -63,8 +63,8 @@ static void test_straight_on(void)
 static void test_round_a_wall(void)
 {
     struct path way;
-    struct planner *r = floor_with("model ( name \"wall\" size [6 0.2 1] pose [-2 0 0 0] )");
-    CU_ASSERT_EQUAL(go(r, -3, -2, -3, 2, &way), MU_OK);
+    struct planner *p = floor_with("model ( name \"wall\" size [6 0.2 1] pose [-2 0 0 0] )");
+    CU_ASSERT_EQUAL(go(p, -3, -2, -3, 2, &way), MU_OK);
     CU_ASSERT(way.count >= 2);
     double most_x = -5;
     for (size_t i = 0; i < way.count; i++) {
@@ -98,12 +98,12 @@ static void test_doors(void)
 static void test_ends(void)
 {
     struct path way;
-    struct planner *r = floor_with("model ( name \"block\" size [2 2 1] pose [0 0 0 0] )");
-    CU_ASSERT_EQUAL(go(r, -3, 0, 0, 0, &way), MU_ABSENT); /* inside */
-    CU_ASSERT_EQUAL(go(r, -3, 0, 9, 0, &way), MU_ABSENT); /* outside */
-    CU_ASSERT_EQUAL(go(r, 1e9, -1e300, 3, 0, &way), MU_ABSENT);
-    CU_ASSERT_EQUAL(go(r, -1.1, 0, 3, 0, &way), MU_OK);  /* at the block's side */
-    CU_ASSERT_EQUAL(go(r, -3, 0, 1.15, 0, &way), MU_OK); /* an end that is a bit too near */
+    struct planner *p = floor_with("model ( name \"block\" size [2 2 1] pose [0 0 0 0] )");
+    CU_ASSERT_EQUAL(go(p, -3, 0, 0, 0, &way), MU_ABSENT); /* inside */
+    CU_ASSERT_EQUAL(go(p, -3, 0, 9, 0, &way), MU_ABSENT); /* outside */
+    CU_ASSERT_EQUAL(go(p, 1e9, -1e300, 3, 0, &way), MU_ABSENT);
+    CU_ASSERT_EQUAL(go(p, -1.1, 0, 3, 0, &way), MU_OK);  /* at the block's side */
+    CU_ASSERT_EQUAL(go(p, -3, 0, 1.15, 0, &way), MU_OK); /* an end that is a bit too near */
     const double *end = way.points_m[way.count - 1];
     CU_ASSERT(hypot(end[0] - 1.15, end[1]) <= 0.25 && end[0] >= 1.2);
 }
@@ -116,7 +116,7 @@ static void test_beside_a_wall(void)
     CU_ASSERT_EQUAL(go(floor_with(""), 4.7, 1, 4.85, 1, &way), MU_OK);
     CU_ASSERT_EQUAL_FATAL(way.count, 1);
     CU_ASSERT(fabs(way.points_m[0][0] - 4.7) < 0.11);
-    CU_ASSERT_EQUAL(go(routers[made - 1], 4.7, 1, 4.99, 4.99, &way), MU_ABSENT);
+    CU_ASSERT_EQUAL(go(planners[made - 1], 4.7, 1, 4.99, 4.99, &way), MU_ABSENT);
 }
 
 static void test_many_corners(void)
@@ -130,11 +130,11 @@ static void test_many_corners(void)
     }
     struct path way;
     struct path again;
-    struct planner *r = floor_with(text);
-    CU_ASSERT_EQUAL(go(r, -4.5, -4.5, 4.5, -4.5, &way), MU_OK);
+    struct planner *p = floor_with(text);
+    CU_ASSERT_EQUAL(go(p, -4.5, -4.5, 4.5, -4.5, &way), MU_OK);
     CU_ASSERT(way.count >= 18 && way.looked > 1000);
     CU_ASSERT(least_room(&maps[made - 1], -4.5, -4.5, &way) >= half_m - 1e-6);
-    CU_ASSERT_EQUAL(go(r, -4.5, -4.5, 4.5, -4.5, &again), MU_OK);
+    CU_ASSERT_EQUAL(go(p, -4.5, -4.5, 4.5, -4.5, &again), MU_OK);
     CU_ASSERT_EQUAL(again.count, way.count);
     CU_ASSERT_EQUAL(memcmp(way.points_m, again.points_m, way.count * sizeof way.points_m[0]), 0);
 }
