@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a mind answers: a question of one word by a deffunction, (ask-one red status) calls
- * (answer-status); its goal; its facts; a mail of a layer by the handlers of that layer.
+ * Answers of a mind: to a question of one word by a deffunction, as (ask-one red status) calls
+ * (answer-status); its goal; its facts; and mail of a layer by the handlers of that layer.
  */
 #include "core/performatives.h"
 #include "mind/mind.h"
@@ -92,7 +92,7 @@ bool mind_has_layer(const struct mind *m, uint32_t layer)
     return false;
 }
 
-/* @return whether the handler took the mail; one that ends in an error has not */
+/* @return whether the handler took the mail; one that ends in an error did not */
 static bool layer_call(struct mind *m, const struct mind_mail *mail, const char *function,
                        DATA_OBJECT *content)
 {
@@ -147,7 +147,7 @@ bool mind_handle(struct mind *m, const struct mind_mail *mail)
         }
     }
     MultifieldDeinstall(m->env, fields);
-    AddToMultifieldList(m->env, fields); /* what the handlers left behind may still point to it */
+    AddToMultifieldList(m->env, fields); /* values that the handlers left may still point to it */
     CleanCurrentGarbageFrame(m->env, NULL);
     CallPeriodicTasks(m->env);
     (void)mind_leave(m);
@@ -168,7 +168,7 @@ bool mind_understands(const struct mind *m, const struct mind_mail *mail)
 
 /* --- the question for facts ------------------------------------------------------------------- */
 
-/* What was cut ends with a whole character of UTF-8. */
+/* Ends a text that was cut with a whole character of UTF-8. */
 static void facts_end_character(struct mu_text *out, size_t start)
 {
     size_t lead = out->len;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a person types on a console, or another agent has done by (you-do). */
+/* Lines that a person types on a console, or another agent sends by (you-do). */
 #include "core/probe.h"
 #include "mind/mind.h"
 #include "mind/snapshot/snapshot.h"
@@ -9,7 +9,7 @@
 
 enum { LINE_FORM_MAX = 4 * ENVIRONMENT_LINE_MAX };
 
-/* Looks at a line before any of it runs.  @return NULL, or what is wrong with the form f */
+/* Checks a line before any of it runs.  @return NULL, or the mistake in the form f */
 static const char *line_check(const char *line, struct syntax_form *f)
 {
     int number = 1;
@@ -102,11 +102,11 @@ mu_result mind_line(struct mind *m, const char *line, struct mu_text *out)
 /* --- lines that only look --------------------------------------------------------------------- */
 
 /*
- * They are answered between two steps.  A run in which somebody looks is the run in which nobody
- * does: what looking needs is put back as it was.
+ * They are answered between two steps.  A look must not change the run: all that it touches is put
+ * back.
  */
 
-/* What a call into CLIPS changes of itself. */
+/* State that a call into CLIPS changes by itself. */
 struct probe_before {
     uint64_t units, worked;
     uint32_t allocations, trace_lost;
@@ -156,7 +156,7 @@ static void probe_end(struct mind *m, const struct probe_before *before)
     (void)mind_leave(m);
 }
 
-/* Rules may have given a word of the list another meaning.  @return whether it is the engine's */
+/* @return whether the word is the engine's: rules may have given it another meaning */
 static bool probe_is_plain(struct mind *m, const char *line)
 {
     char name[MU_GLANCE_LINE_MAX + 1];
@@ -190,7 +190,8 @@ mu_result mind_probe(struct mind *m, const char *line, struct mu_text *out)
         return MU_ABSENT;
     }
     mu_text_init(&sink, sink_bytes, sizeof sink_bytes);
-    m->out = &sink; /* who watches facts does not see the one that is shown here alone */
+    m->out =
+        &sink; /* a person that watches facts does not see a fact asserted for this look alone */
     struct probe_before before = probe_begin(m);
     m->out = out;
     bool done = probe_run(m, line);
@@ -204,12 +205,12 @@ mu_result mind_probe(struct mind *m, const char *line, struct mu_text *out)
 
 /* --- words, for whoever completes what a person types ----------------------------------------- */
 
-/* What CLIPS parses by itself. */
+/* Words of CLIPS that are no functions. */
 static const char *const words_constructs[] = {
     "defrule",   "deffacts", "deftemplate", "deffunction", "defglobal",
     "defmodule", "defclass", "defgeneric",  "defmethod",   "definstances"};
 
-/* Names that CLIPS gave to its own parts, (query-...) and others, nobody types. */
+/* Leaves out names that CLIPS gave to its own parts, as (query-...). */
 static void words_add(struct mu_text *out, char kind, const char *name)
 {
     if (isalpha((unsigned char)name[0]) && !strpbrk(name, "() \n")) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A mind: how it is made, loaded, written down and restored. */
+/* A mind is made, loaded, saved and restored. */
 #include "mind/mind.h"
 #include "core/name.h"
 
@@ -9,7 +9,10 @@
 #include <stdio.h>
 #include <string.h>
 
-/* CLIPS calls this behind each rule: one that called (update-sensors) or (moveTo) is the last. */
+/*
+ * CLIPS calls this after each rule: one that called (update-sensors) or (moveTo) is the last of the
+ * step.
+ */
 static void mind_after_rule(void *env)
 {
     const struct mind *m = environment_mind(env);
@@ -52,7 +55,7 @@ struct mind *mind_reserve(void)
     return m;
 }
 
-/* What was there of another mind goes; its memory stays. */
+/* Forgets an earlier mind in this memory; the memory stays. */
 static void env_clear(struct mind *m)
 {
     const struct mind_inputs *in = inputs_of(m);
@@ -207,7 +210,7 @@ mu_result mind_save(struct mind *m, struct mu_text *out, struct mu_fault *fault)
     return r;
 }
 
-/* The field as text that reads back; false: it is not exactly one field. */
+/* Adds a field as text that reads back.  @return false: it is not exactly one field */
 static bool line_field(const char *field, struct mu_text *out)
 {
     const char *rest = field;
@@ -230,7 +233,7 @@ static bool line_field(const char *field, struct mu_text *out)
     return !out->cut;
 }
 
-/* Redefines the global, so that the value is also what (reset) gives it. */
+/* Redefines the global, so that (reset) keeps the value. */
 mu_result mind_set_global(struct mind *m, const char *name, const char *field)
 {
     char bytes[512];
@@ -255,7 +258,7 @@ mu_result mind_set_global(struct mind *m, const char *name, const char *field)
     return mind_leave(m) || !built || build.cut ? MU_MALFORMED : MU_OK;
 }
 
-/* A copy has a name of its own. */
+/* Gives a copy its own name. */
 static mu_result name_set(struct mind *m, const char *was)
 {
     if (strcmp(was, m->options.name) == 0) {

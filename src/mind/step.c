@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A step: what a mind is told, and the firing of its rules. */
+/* A step: the inputs of a mind, and the firing of its rules. */
 #include "mind/mind.h"
 #include "mind/snapshot/snapshot.h"
 
@@ -54,7 +54,7 @@ void mind_fire(struct mind *m, struct mind_act *act)
     mind_fire_some(m, m->options.firings_max, act);
 }
 
-/* Nothing fires any more; the robot stands still. */
+/* The act of a failed mind: no rule fires, and the robot stands still. */
 static void fire_nothing(struct mind *m, struct mind_act *act)
 {
     snprintf(m->reason, sizeof m->reason, "its rules are gone: %s", m->failed_by);
@@ -93,7 +93,7 @@ void mind_percept(struct mind *m, const struct mu_percept *percept)
     if (!MIND_ENTER(m, STATE_SENSE)) {
         return;
     }
-    EnvIncrementGCLocks(m->env); /* nothing built here may go before it stands in a fact */
+    EnvIncrementGCLocks(m->env); /* no garbage collection before the fields stand in a fact */
     trace_cause(m, 'S', "", "");
     percept_take(m, percept);
     events_assert(m);
@@ -121,7 +121,7 @@ void mind_event(struct mind *m, enum mu_event event)
 
 void mind_event_now(struct mind *m, enum mu_event event, struct mind_act *act)
 {
-    volatile bool awaited = false; /* over what MIND_ENTER comes back to */
+    volatile bool awaited = false; /* volatile: MIND_ENTER may return twice */
     *act = (struct mind_act){.rules = "", .end = MIND_IDLE};
     inputs_of(m)->pending[event] = true;
     if (MIND_ENTER(m, STATE_SENSE)) {
@@ -166,7 +166,7 @@ mu_result mind_take_mail(struct mind *m, const struct mind_mail *mail)
     return r;
 }
 
-/* One that depends on another may go with it: the list is read anew each time. */
+/* A fact that depends on another may go with it, so the list is read anew each time. */
 static void relations_clear(struct mind *m, const char *const *relations)
 {
     for (; *relations; relations++) {
@@ -201,8 +201,7 @@ mu_result mind_tell(struct mind *m, const char *fact)
     return told && !failed ? MU_OK : MU_MALFORMED;
 }
 
-/* Looks on from the slot behind the last one that was found.
- * @return index of the slot, or -1 */
+/* Searches from the slot behind the one that was found last. @return index of the slot, or -1 */
 static long slot_find(const struct deftemplate *t, const char *name, long from)
 {
     for (int round = 0; round < 2; round++) {
@@ -236,7 +235,7 @@ static void slot_fill(void *env, struct field *to, const struct mind_slot *slot)
     }
 }
 
-/* @return the fact, asserted; NULL: it has not got such a slot, or is there already */
+/* @return the asserted fact; NULL: there is no such slot, or the fact is there already */
 static struct fact *slots_assert(void *env, struct deftemplate *t, const struct mind_slot *slots,
                                  size_t count)
 {

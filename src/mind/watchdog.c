@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The last resort, outside of the engine: one call into it has been at work for seconds and has
- * come to hardly any of the places where guards count.  The owner's timer brings the time.
+ * The last resort, outside of the engine: a call into it has run for seconds and has hardly come to
+ * a check of its budget.  The owner's timer brings the time.
  */
 #include "mind/mind.h"
 #include "mind/snapshot/snapshot.h"
 
 enum {
     WATCHDOG_UNITS = 1000 * BUDGET_UNITS_A_TICK
-}; /* an engine at work counts a thousand times
-      that between two looks */
+}; /* an engine at work counts a thousand times as much between two looks */
 
 static struct {
     uint64_t looked_at, seen; /* calls into engines, and units counted, at the last look */
-    unsigned hanging_ms;      /* since an engine has come to a guard */
+    unsigned hanging_ms;      /* since an engine came to a check of its budget */
 } watchdog;
 
 static bool watchdog_hangs(const struct mind *m, uint64_t entries, unsigned ms)

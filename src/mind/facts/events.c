@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What happens in the agent's life, as facts: (event on-run), (event refused ...). */
+/* Events of the agent's life as facts: (event on-run), (event refused ...). */
 #include "mind/facts/facts.h"
 
 #include <string.h>
@@ -10,11 +10,11 @@ static const char *const event_names[MU_EVENTS] = {
     [MU_ON_CREATE] = "on-create", [MU_ON_RUN] = "on-run",     [MU_ON_ARRIVE] = "on-arrive",
     [MU_ON_LEAVE] = "on-leave",   [MU_ON_CLONE] = "on-clone", [MU_ON_DISPOSE] = "on-dispose"};
 
-/* Asserts (event word...) anew; it stays until a rule retracts it. */
+/* Asserts (event word...) anew; the fact stays until a rule retracts it. */
 static void event_fact(struct mind *m, const char *const *words, size_t count, struct fact **fact)
 {
     fact_retract(m, fact);
-    EnvIncrementGCLocks(m->env); /* nothing built here may go before it stands in a fact */
+    EnvIncrementGCLocks(m->env); /* no garbage collection before the fields stand in a fact */
     struct multifield *fields = CreateMultifield2(m->env, (long)count);
     for (size_t i = 0; i < count; i++) {
         value_set_symbol(m->env, fields, i, words[i]);
@@ -23,7 +23,7 @@ static void event_fact(struct mind *m, const char *const *words, size_t count, s
     EnvDecrementGCLocks(m->env);
 }
 
-/* Whose rules do not look at events is the same wherever it lives, to the number of its facts. */
+/* A mind whose rules ignore events is the same on every host, to the numbers of its facts. */
 static bool is_of_interest(const struct mind *m, size_t event)
 {
     bool of_moves = event == MU_ON_ARRIVE || event == MU_ON_LEAVE;
@@ -73,7 +73,7 @@ void events_refuse(struct mind *m, const char *change, const char *reason)
     size_t count = 3;
     mu_text_copy(bytes, sizeof bytes, change);
     char *blank = strchr(bytes, ' ');
-    if (blank) { /* which change, and of what */
+    if (blank) { /* the change, and its object */
         *blank = '\0';
         words[2] = blank + 1;
         words[count++] = reason;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Facts that C code asserts, and holds until it retracts them. */
+/* Facts that C code asserts and holds until it retracts them. */
 #include "mind/facts/facts.h"
 
 void fact_retract(struct mind *m, struct fact **fact)
@@ -26,7 +26,7 @@ struct fact *fact_assert(struct mind *m, struct deftemplate *template, struct mu
     return f;
 }
 
-/* CLIPS counts uses in constructs together with the facts that there are, and C holds one. */
+/* busyCount is the uses in constructs, plus the facts, plus one use that C code holds. */
 bool fact_is_used(const struct deftemplate *template)
 {
     long facts = 0;

@@ -10,19 +10,19 @@
 #include "mind/engine/engine.h"
 
 enum {
-    MESSAGES_STEPS = 50,         /* a message fact that is so old goes */
-    MESSAGES_MAX = 1024,         /* message facts; beyond, the oldest goes */
-    MAILBOX_MAX = 1024,          /* mail facts; beyond, mail is refused */
-    MAIL_RING_MAX = 1024,        /* mails for (getmsg) that have no mail fact */
-    MAIL_RING_BYTES = 256 << 10, /* of their contents, each with a zero at its end */
-    EVENTS_REFUSED_MAX = 64      /* facts of refused changes; beyond, the oldest goes */
+    MESSAGES_STEPS = 50,         /* the age at which a message fact is dropped */
+    MESSAGES_MAX = 1024,         /* message facts; one more drops the oldest */
+    MAILBOX_MAX = 1024,          /* mail facts; one more is refused */
+    MAIL_RING_MAX = 1024,        /* mails for (getmsg) without a mail fact */
+    MAIL_RING_BYTES = 256 << 10, /* of their contents, each with its zero byte */
+    EVENTS_REFUSED_MAX = 64      /* facts of refused changes; one more drops the oldest */
 };
 
-/* A mail that stands as a message fact.  Indices into the pool; 0 is no entry. */
+/* A mail as a message fact.  Links are indices into the pool; 0 is no entry. */
 struct message {
     struct fact *fact;
     SYMBOL_HN *from;
-    unsigned short first_type; /* the first field, for "a later mail of the same first word" */
+    unsigned short first_type; /* of the first field: one equal to it supersedes this mail */
     void *first;
     uint64_t id, step;
     uint16_t older, newer, chain;
@@ -36,7 +36,7 @@ struct messages {
     uint16_t oldest, newest, free;
 };
 
-/* A mail that has no fact, kept for (getmsg): a ring of entries, and one of their contents. */
+/* Mail without facts, kept for (getmsg): a ring of entries, and a ring of their contents. */
 struct mail_ring_entry {
     uint64_t id;
     SYMBOL_HN *from;
@@ -50,7 +50,7 @@ struct mail_ring {
     uint32_t first, count;
 };
 
-/* The lists of a percept, and the facts of each: a plain list is one. */
+/* The lists of a percept, and their facts: one for a plain list, one for each record. */
 #define PERCEPT_ELEMENTS(id, senses, type, list, count, most, ...) type list[most];
 #define PERCEPT_FACTS(id, senses, type, list, count, most, ...) \
     struct fact *list[_Generic((type *)0, float * : 1, default : (most))];
@@ -61,14 +61,14 @@ struct percept_facts {
     MU_CHANNELS(PERCEPT_FACTS)
 };
 
-/* What belongs to one row of mu_channels. */
+/* The list of one row of mu_channels. */
 struct percept_list {
     void *elements;
     struct fact **facts;
     struct deftemplate *relation;
 };
 
-/* What a mind has been told. */
+/* A mind and all that it was told. */
 struct mind_inputs {
     struct mind mind; /* first */
     uint64_t step;
@@ -79,11 +79,12 @@ struct mind_inputs {
     struct percept_facts list_facts;
     struct percept_list lists[MU_CHANNEL_COUNT];
     bool sensed;
-    uint32_t senses_named; /* enum mu_sense: by calls of their functions */
+    uint32_t senses_named; /* enum mu_sense: sensors whose functions rules call */
     struct deftemplate *position;
     struct fact *position_fact;
-    bool ring_unseen; /* no rule has a pattern of the ring's fact, and nobody has looked for it */
-    long long ring_number; /* that it would bear */
+    bool ring_unseen; /* the ring's fact is left out: no rule has a pattern of it, and nobody has
+                         looked for it */
+    long long ring_number; /* the number that this fact would bear */
 
     /* mail */
     struct deftemplate *message, *mail;
@@ -109,7 +110,7 @@ static inline struct mind_inputs *inputs_of(const struct mind *m)
 
 /* inputs.c */
 
-/** Takes memory while the process starts. */
+/** Allocates at start-up. */
 void facts_reserve(struct mind *m);
 
 /** Builds the templates that C code knows.  @return whether CLIPS has taken them */
@@ -117,23 +118,29 @@ bool facts_build(struct mind *m);
 
 /* fact.c */
 
-/** Takes the reference to a fact back, retracting it if it is still there. */
+/** Retracts a fact if it is still there, and gives the reference back. */
 void fact_retract(struct mind *m, struct fact **fact);
 
-/** Asserts an ordered fact of one multifield; keeps a reference for the caller.  NULL: refused. */
+/**
+ * Asserts an ordered fact of one multifield.
+ * @return the fact, referenced for the caller; NULL: CLIPS refused it
+ */
 struct fact *fact_assert(struct mind *m, struct deftemplate *template, struct multifield *fields);
 
-/** @return whether a pattern or a query of some construct looks at facts of that template, or
- * somebody watches them */
+/**
+ * @return whether a pattern or a query of some construct uses facts of that template, or a person
+ * watches them
+ */
 bool fact_is_used(const struct deftemplate *template);
 
 /* sensors.c */
 
-/** Rules look at the facts, or call the function, of that name: its sensor is wanted from now on.
+/**
+ * Notes that rules use the facts or the function of that name: its sensor is wanted from now on.
  */
 void sensors_note(struct mind *m, const char *word);
 
-/** @return bits of enum mu_sense: what rules look at */
+/** @return bits of enum mu_sense: the sensors that rules use */
 uint32_t sensors_wanted(const struct mind *m);
 
 /** @return the colour's name, or #rrggbb in bytes */
@@ -148,39 +155,42 @@ void sensors_set_position(const struct mu_percept *p, double out[6]);
 
 /* percept.c */
 
-/** @return how many facts a list may have now: those that are not there are NULL */
+/** @return how many facts a list may have now; missing ones are NULL */
 size_t percept_fact_count(const struct mind *m, size_t number);
 
-/** Makes the percept facts that no rule has a pattern of, for somebody who looks at facts. */
+/** Asserts the percept facts that were left out, for a caller that looks at all facts. */
 void percept_show(struct mind *m);
 
 /** Replaces the percept and its facts. */
 void percept_take(struct mind *m, const struct mu_percept *p);
 
-/** There is no percept any more: its facts go, the time stays. */
+/** Drops the percept and its facts; the time stays. */
 void percept_lose(struct mind *m, uint64_t time_ns);
 
-/** Says where the lists and their facts are, and what (reset) takes along. */
+/** Ties the lists to their elements and facts, and tells (reset) of them. */
 void percept_install(struct mind *m);
 
 /* messages.c */
 struct messages *messages_reserve(void);
 void messages_install(struct mind *m);
 
-/** Makes a mail's content a message fact; what it tells again goes. */
+/**
+ * Makes a mail's content a message fact, which supersedes the sender's earlier one with the same
+ * first word.
+ */
 void messages_add(struct mind *m, uint64_t id, SYMBOL_HN *from, struct multifield *fields);
 
 /**
- * Makes a message the newest; its links are set here.  The reference to its fact is handed over.
+ * Makes a message the newest, and sets its links.  Takes the reference to its fact over.
  *
  * @return false: there is no room
  */
 bool messages_enter(struct mind *m, const struct message *entry);
 
-/** The message fact of a mail goes, if it still stands. */
+/** Drops the message fact of a mail, if it still stands. */
 void messages_forget(struct mind *m, uint64_t id);
 
-/** What is too old goes. */
+/** Drops message facts of MESSAGES_STEPS steps and more. */
 void messages_age(struct mind *m);
 
 /* mailbox.c */
@@ -192,7 +202,7 @@ MU_MUST_USE mu_result mailbox_take(struct mind *m, const struct mind_mail *mail)
 /** @return a mail's content as fields, typed, or as one string; *list: it is a list of fields */
 struct multifield *mailbox_content(struct mind *m, const struct mind_mail *mail, bool *list);
 
-/** (getmsg), and its parser, which notes that a construct calls it. */
+/** (getmsg), and its parser, which notes the construct that calls it. */
 void mailbox_getmsg(void *env, DATA_OBJECT *out);
 struct expr *mailbox_parse_getmsg(void *env, struct expr *top, const char *source);
 
@@ -201,7 +211,7 @@ struct mail_ring *mail_ring_reserve(void);
 void mail_ring_install(struct mind *m);
 
 /**
- * Keeps a mail for (getmsg).  Where no construct calls that, the oldest go to make room.
+ * Keeps a mail for (getmsg).  Drops the oldest to make room, unless some construct calls (getmsg).
  *
  * @return MU_OK, or MU_FULL: refused
  */
@@ -214,7 +224,7 @@ void mail_ring_drop(struct mind *m);
 
 /* events.c */
 
-/** What has happened since the last step becomes facts. */
+/** Asserts the events since the last step. */
 void events_assert(struct mind *m);
 
 /** @return whether the event's fact stands, and a rule is about to fire for it */

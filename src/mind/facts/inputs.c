@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Memory and templates of what a mind is told. */
+/* Memory and templates of a mind's inputs. */
 #include "mind/facts/facts.h"
 
 #include "muster/memory.h"
@@ -11,7 +11,9 @@ void facts_reserve(struct mind *m)
     inputs_of(m)->scratch = mu_startup_alloc(MU_CONTENT_MAX + 1);
 }
 
-/* What C code keeps pointers to is in use: CLIPS does not let it be removed. */
+/*
+ * Creates a template and marks it as used, so that CLIPS does not remove it under C code's pointer.
+ */
 static struct deftemplate *inputs_hold(struct mind *m, const char *name)
 {
     struct deftemplate *t = CreateImpliedDeftemplate(m->env, EnvAddSymbol(m->env, name), TRUE);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Mail for (getmsg) that has no mail fact, as text: most robots never ask for it, and to copy a
- * text into a ring costs next to nothing.
+ * Mail for (getmsg) without a mail fact, as text.  Most robots never ask for it, and a copy into a
+ * ring costs next to nothing.
  */
 #include "mind/facts/facts.h"
 #include "muster/memory.h"
@@ -18,22 +18,25 @@ void mail_ring_install(struct mind *m)
     inputs_of(m)->mail_ring->first = inputs_of(m)->mail_ring->count = 0;
 }
 
-static struct mail_ring_entry *parked_at(struct mail_ring *p, uint32_t index)
+static struct mail_ring_entry *ring_at(struct mail_ring *p, uint32_t index)
 {
     return &p->mails[(p->first + index) % MAIL_RING_MAX];
 }
 
-/* Where so many bytes fit in one piece behind the last content.  @return false: nowhere */
-static bool parked_place(struct mail_ring *p, uint32_t bytes, uint32_t *at)
+/*
+ * Finds room for so many bytes in one piece behind the last content.
+ * @return false: there is none
+ */
+static bool ring_place(struct mail_ring *p, uint32_t bytes, uint32_t *at)
 {
     *at = 0;
     if (p->count == 0 || p->count == MAIL_RING_MAX) {
         return p->count == 0;
     }
-    uint32_t start = parked_at(p, 0)->at;
-    const struct mail_ring_entry *last = parked_at(p, p->count - 1);
+    uint32_t start = ring_at(p, 0)->at;
+    const struct mail_ring_entry *last = ring_at(p, p->count - 1);
     uint32_t end = last->at + last->bytes;
-    if (last->at < start) { /* the ring has turned round: the room is between them */
+    if (last->at < start) { /* the ring has wrapped: the room is between end and start */
         *at = end;
         return start - end >= bytes;
     }
@@ -46,13 +49,13 @@ mu_result mail_ring_put(struct mind *m, const struct mind_mail *mail, bool clips
     struct mail_ring *p = inputs_of(m)->mail_ring;
     uint32_t len = (uint32_t)strnlen(mail->content, MU_CONTENT_MAX);
     uint32_t at;
-    while (!parked_place(p, len + 1, &at)) {
+    while (!ring_place(p, len + 1, &at)) {
         if (inputs_of(m)->rules_getmsg) {
             return MU_FULL;
         }
         mail_ring_drop(m);
     }
-    struct mail_ring_entry *to = parked_at(p, p->count++);
+    struct mail_ring_entry *to = ring_at(p, p->count++);
     *to = (struct mail_ring_entry){.id = mail->id,
                                    .at = at,
                                    .bytes = len + 1,
@@ -67,7 +70,7 @@ mu_result mail_ring_put(struct mind *m, const struct mind_mail *mail, bool clips
 const struct mail_ring_entry *mail_ring_first(const struct mind *m, const char **content)
 {
     struct mail_ring *p = inputs_of(m)->mail_ring;
-    const struct mail_ring_entry *first = p->count > 0 ? parked_at(p, 0) : NULL;
+    const struct mail_ring_entry *first = p->count > 0 ? ring_at(p, 0) : NULL;
     *content = first ? p->bytes + first->at : "";
     return first;
 }

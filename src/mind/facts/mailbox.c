@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Mail that comes in: from its content to fields, the queue of mail facts, (getmsg). */
+/* Incoming mail: its content as fields, the queue of mail facts, (getmsg). */
 #include "mind/facts/facts.h"
 
 #include <string.h>
@@ -43,7 +43,8 @@ static void field_set(struct mind *m, struct field *to, struct syntax_field f)
 /* @return the content's fields, typed; NULL: it is no list of fields */
 static struct multifield *mail_fields(struct mind *m, const char *content)
 {
-    struct syntax_field few[MAIL_FIELDS_FEW]; /* what most mails have is read once */
+    struct syntax_field
+        few[MAIL_FIELDS_FEW]; /* most mails have no more fields, and are read once */
     long count = 0;
     struct syntax_field f;
     if (strnlen(content, MU_CONTENT_MAX + 1) > MU_CONTENT_MAX) {
@@ -76,8 +77,8 @@ static struct multifield *mail_raw(struct mind *m, const char *content)
 }
 
 /*
- * Whether functions, or what rules do, look at mail facts: (findall (mail)), fact queries.  CLIPS
- * counts such uses together with the facts that there are, and C holds one.
+ * @return whether functions or right-hand sides look at mail facts: (findall (mail)), fact queries.
+ * CLIPS counts such uses, the facts themselves, and one use that C code holds.
  */
 static bool mail_is_looked_at(const struct mind *m)
 {
@@ -89,7 +90,7 @@ static bool mail_is_looked_at(const struct mind *m)
     return others > 0;
 }
 
-/* Forgets the facts that rules have taken, when it is time.  @return whether there is room */
+/* Drops the facts that rules have taken, once the list is full.  @return whether there is room */
 static bool mail_make_room(struct mind *m)
 {
     if (inputs_of(m)->mail_count < MAILBOX_MAX) {
@@ -128,10 +129,10 @@ static struct fact *mail_assert(struct mind *m, const struct mind_mail *mail,
 }
 
 /*
- * Queues a mail as a fact.  One that no rule's pattern fits and no function looks at would stay for
- * ever, and fill the queue.
+ * Queues a mail as a fact, if a rule's pattern fits it or a function looks at mail facts.  Any
+ * other fact would stay for ever and fill the queue.
  *
- * @return MU_OK; MU_ABSENT: nobody can take it; MU_FULL: refused
+ * @return MU_OK; MU_ABSENT: no rule can take it; MU_FULL: refused
  */
 static mu_result mail_queue(struct mind *m, const struct mind_mail *mail,
                             struct multifield *content)
@@ -189,7 +190,7 @@ mu_result mailbox_take(struct mind *m, const struct mind_mail *mail)
     return r;
 }
 
-/* Notes that a construct takes mail in this way. */
+/* Notes that a construct calls (getmsg). */
 struct expr *mailbox_parse_getmsg(void *env, struct expr *top, const char *source)
 {
     struct mind *m = environment_mind(env);
@@ -213,7 +214,7 @@ static void getmsg_answer(void *env, const struct field *from, const struct mult
     value_multifield(out, fields);
 }
 
-/* @return the number of a mail fact; rules may have put anything in its slot */
+/* @return the number of a mail fact, or 0: rules may have put anything in its slot */
 static uint64_t mail_number(const struct fact *f)
 {
     const struct field *id = &f->theProposition.theFields[MAIL_ID];
@@ -229,8 +230,8 @@ static void getmsg_fact(struct mind *m, struct fact *f, DATA_OBJECT *out)
     EnvRetract(m->env, f);
 }
 
-static void getmsg_parked(struct mind *m, const struct mail_ring_entry *mail, const char *content,
-                          DATA_OBJECT *out)
+static void getmsg_ring(struct mind *m, const struct mail_ring_entry *mail, const char *content,
+                        DATA_OBJECT *out)
 {
     struct field from = {.type = SYMBOL, .value = mail->from};
     struct multifield *fields = mail->clips ? mail_fields(m, content) : mail_raw(m, content);
@@ -245,12 +246,12 @@ void mailbox_getmsg(void *env, DATA_OBJECT *out)
     struct mind *m = environment_mind(env);
     const char *content;
     struct fact *f = EnvGetNextFactInTemplate(env, inputs_of(m)->mail, NULL);
-    const struct mail_ring_entry *parked = mail_ring_first(m, &content);
-    bool fact_first = f && (!parked || mail_number(f) < parked->id);
+    const struct mail_ring_entry *queued = mail_ring_first(m, &content);
+    bool fact_first = f && (!queued || mail_number(f) < queued->id);
     EnvSetMultifieldErrorValue(env, out);
     if (fact_first) {
         getmsg_fact(m, f, out);
-    } else if (parked) {
-        getmsg_parked(m, parked, content, out);
+    } else if (queued) {
+        getmsg_ring(m, queued, content, out);
     }
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Message facts: mail as states that are told again and again, and how long they stay. */
+/* Message facts: mail as states that senders repeat, and how long these facts stay. */
 #include "mind/facts/facts.h"
 #include "muster/memory.h"
 
@@ -13,7 +13,7 @@ void messages_install(struct mind *m)
     struct messages *all = inputs_of(m)->messages;
     *all = (struct messages){.free = 0};
     for (uint16_t i = 1; i < MESSAGES_MAX; i++) {
-        all->at[i].newer = i + 1; /* the free ones are chained through newer */
+        all->at[i].newer = i + 1; /* free entries are chained through newer */
     }
     all->free = 1;
 }
@@ -58,7 +58,7 @@ void messages_age(struct mind *m)
     }
 }
 
-/* A state told again: what this sender said in an earlier step with the same first word goes. */
+/* Drops the facts of this sender of earlier steps that have the same first field. */
 static void message_supersede(struct mind *m, const SYMBOL_HN *from, const void *first)
 {
     uint16_t next;

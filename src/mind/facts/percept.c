@@ -57,7 +57,7 @@ void percept_show(struct mind *m)
     }
 }
 
-/* A fact that is left out keeps its number, so that who looks changes nothing but what he sees. */
+/* A fact that is left out keeps its number, so that a look at the facts changes no other number. */
 static void percept_ring(struct mind *m)
 {
     inputs_of(m)->ring_unseen = inputs_of(m)->percept.sonar_count > 0 &&
@@ -69,8 +69,10 @@ static void percept_ring(struct mind *m)
     }
 }
 
-/* A plain list becomes a fact when its sensor is looked at in any way, a record only for those who
- * have a pattern of it. */
+/*
+ * A plain list becomes a fact when rules use its sensor in any way, a record only when a pattern or
+ * query uses its facts.
+ */
 static void percept_lists(struct mind *m)
 {
     uint32_t senses = sensors_wanted(m);
@@ -84,7 +86,7 @@ static void percept_lists(struct mind *m)
     }
 }
 
-/* What the last percept was. */
+/* Retracts the facts of the last percept. */
 static void percept_retract_all(struct mind *m)
 {
     fact_retract(m, &inputs_of(m)->position_fact);
@@ -103,7 +105,7 @@ size_t percept_fact_count(const struct mind *m, size_t number)
     return mu_channels[number].plain ? 1 : count;
 }
 
-/* Numbers that are no numbers would only poison what rules compute: 0 stands for them. */
+/* Replaces NaN and infinity by 0: they would spoil all that rules compute of them. */
 static void percept_make_finite(const struct mu_field *f, char *element)
 {
     double real;
@@ -168,7 +170,7 @@ void percept_lose(struct mind *m, uint64_t time_ns)
     inputs_of(m)->sensed = inputs_of(m)->ring_unseen = false;
 }
 
-/* (reset) takes it with the other facts. */
+/* (reset) drops the ring's fact with all others. */
 static void percept_reset(void *env)
 {
     inputs_of(environment_mind(env))->ring_unseen = false;

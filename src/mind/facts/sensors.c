@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which sensors the rules look at, and what sensors read as fields. */
+/* The sensors that rules use, and readings as fields. */
 #include "mind/facts/facts.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* Who calls a function of a sensor, or has a pattern of its facts, looks at that sensor. */
+/* A call of a sensor's function or a pattern of its facts is a use of that sensor. */
 void sensors_note(struct mind *m, const char *word)
 {
     for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
@@ -30,7 +30,7 @@ uint32_t sensors_wanted(const struct mind *m)
     return senses;
 }
 
-/* The colours that have a name: X11's, which world files use. */
+/* Names of colours: X11's, which world files use. */
 static const struct {
     uint32_t rgb;
     const char *name;

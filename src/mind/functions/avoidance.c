@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * (clear-way want [far]): where to steer so as not to run into what the sonars see.  The part of
- * obstacle avoidance that is arithmetic over the whole ring, each step; what to make of the answer
- * is the matter of rules/avoid.clp.
+ * (clear-way want [far]): a direction that is free by the sonars.  This is the arithmetic of
+ * obstacle avoidance over the whole ring; rules/avoid.clp decides what to do with the answer.
  */
 #include "mind/functions/table.h"
 
@@ -13,12 +12,15 @@ enum { WAY_FRONT = 8 };
 /* Where s0 to s7 look, in degrees. */
 static const double way_angles[WAY_FRONT] = {90, 50, 30, 10, -10, -30, -50, -90};
 
-/* What stands aside counts less, as far as the body passes by it; s0 and s7 do not count. */
+/*
+ * Factors on the ranges: an obstacle aside counts less, as the body passes by it; s0 and s7 do not
+ * count.
+ */
 static const double way_passes[WAY_FRONT] = {0, 3.5, 2, 1, 1, 2, 3.5, 0};
 
-static const double way_nothing_mm = 5000; /* seen */
+static const double way_nothing_mm = 5000; /* the range when nothing is seen */
 
-/* A beam is no wider than its neighbours allow: an edge that one sees may reach into the next. */
+/* A range exceeds its neighbours by at most this: an edge in one beam may reach into the next. */
 static const double way_slope_mm = 200;
 
 /* The cost of a direction, in degrees off the wanted one. */
@@ -26,10 +28,10 @@ static const double way_cost_deg_mm = 0.15; /* for each mm less than ?*care* */
 static const double way_cost_turn = 0.35;   /* for each degree off where the body turns already */
 static const double way_turn_s = 1.5;       /* a body that turns at w deg/s turns by w / this */
 
-static const double way_same_deg = 25;  /* the wanted direction is as good as one so near */
-static const double way_aside_deg = 27; /* at least so far to a side when there is no room ahead */
+static const double way_same_deg = 25;  /* the wanted direction wins over one so near to it */
+static const double way_aside_deg = 27; /* the least turn to a side when there is no room ahead */
 
-/* Leaning away from what is close at one side. */
+/* How the body leans away from an obstacle close at one side. */
 static const double way_close_mm = 380;
 static const double way_lean_deg_mm = 0.15;
 

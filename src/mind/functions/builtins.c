@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * CLIPS functions that muster wraps: send takes names besides instances, and those that parse a
- * text check it first, because a deep nesting would end the stack in their parser.
+ * Functions of CLIPS that muster wraps.  (send) takes names besides instances.  Functions that
+ * parse a text check its depth first: a deep nesting would exhaust the stack in the parser.
  */
 #include "mind/functions/table.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* Where the engine keeps the number of (gensym), which stands in miscfun.c. */
+/* The environment data of miscfun.c, which has the number of (gensym). */
 enum { BUILTIN_GENSYM_DATA = 9 };
 
 enum builtin { BUILTIN_EVAL, BUILTIN_BUILD, BUILTIN_ASSERT, BUILTIN_CHECK, BUILTIN_COUNT };
@@ -23,7 +23,7 @@ static char builtin_returns[BUILTIN_COUNT];
 static void (*builtin_print_facts)(void *env);
 static void (*builtin_list_facts)(void *env, DATA_OBJECT *out);
 
-/* Calls CLIPS's function as if its first argument had been this value. */
+/* @return the current call with this value as its first argument */
 static struct expr builtin_enter(void *env, struct expr *first, const DATA_OBJECT *value)
 {
     struct expr call = *EvaluationData(env)->CurrentExpression;
@@ -40,7 +40,7 @@ void builtins_send(void *env, DATA_OBJECT *out)
     if (!value_any(env, 1, &first)) {
         return;
     }
-    if (first.type == RVOID) { /* what a function gives that gives nothing */
+    if (first.type == RVOID) { /* the value of a function without one */
         value_refuse(env, "send", "somebody to send to");
         return;
     }
@@ -52,7 +52,7 @@ void builtins_send(void *env, DATA_OBJECT *out)
     struct expr value;
     struct expr *before = EvaluationData(env)->CurrentExpression;
     struct expr call = builtin_enter(env, &value, &first);
-    if (first.type == MULTIFIELD) { /* a constant of that type is such an object */
+    if (first.type == MULTIFIELD) { /* a multifield constant points to a data object */
         value.value = &first;
     }
     EvaluationData(env)->CurrentExpression = &call;
@@ -60,7 +60,7 @@ void builtins_send(void *env, DATA_OBJECT *out)
     EvaluationData(env)->CurrentExpression = before;
 }
 
-/* CLIPS's functions return in the way of their return code. */
+/* Calls a function of CLIPS and stores its result, by its return code. */
 static void builtin_result(void *env, enum builtin which, DATA_OBJECT *out)
 {
     int (*call)(void *) = builtin_calls[which];
@@ -74,7 +74,8 @@ static void builtin_result(void *env, enum builtin which, DATA_OBJECT *out)
 
 static void builtin_parse(void *env, enum builtin which, DATA_OBJECT *out)
 {
-    percept_show(environment_mind(env));         /* what is built now may have a pattern of it */
+    percept_show(
+        environment_mind(env)); /* the text may build a pattern of the fact that was left out */
     static char bytes[2 * ENVIRONMENT_LINE_MAX]; /* CLIPS copies the text into a symbol at once */
     const char *text;
     struct mu_text rewritten;
@@ -156,7 +157,7 @@ static void builtin_strategy(void *env, DATA_OBJECT *out)
     value_refuse(env, "set-strategy", "depth, breadth, lex, mea, complexity or simplicity");
 }
 
-/* The engine compares at each place anew: 4 MB in 8 MB took it hours. */
+/* CLIPS compares anew at each place: 4 MB in 8 MB took it hours. */
 static void builtin_index(void *env, DATA_OBJECT *out)
 {
     DATA_OBJECT word, text;
@@ -174,7 +175,7 @@ static void builtin_index(void *env, DATA_OBJECT *out)
     }
 }
 
-/* The next word that is not there yet; rules may have made a hundred thousand of them. */
+/* Makes the next new word; rules may have made a hundred thousand of the words before. */
 static void *builtin_gensym(void *env)
 {
     char word[32];
@@ -185,7 +186,7 @@ static void *builtin_gensym(void *env)
     return EnvAddSymbol(env, word);
 }
 
-/* Those look at all facts that there are. */
+/* (facts) and (get-fact-list) look at all facts, so the ones left out are asserted first. */
 static void builtin_facts(void *env)
 {
     percept_show(environment_mind(env));
@@ -198,7 +199,7 @@ static void builtin_list(void *env, DATA_OBJECT *out)
     builtin_list_facts(env, out);
 }
 
-/* Puts another function in the place of CLIPS's.  @return that */
+/* Puts another function in the place of one of CLIPS.  @return the latter */
 static void (*builtin_replace(void *env, const char *name, void (*call)(void)))(void)
 {
     struct FunctionDefinition *f = FindFunction(env, name);

@@ -73,7 +73,10 @@ static bool word_add(struct mu_text *to, unsigned short type, const void *value)
     }
 }
 
-/* The arguments from the second on as key=value.  @return false: they are none, or an error */
+/*
+ * Writes the arguments from the second on as key=value.
+ * @return false: they are no such pairs, or one ended in an error
+ */
 static bool attributes_read(void *env, struct mu_text *to)
 {
     int count = EnvRtnArgCount(env);
@@ -144,8 +147,8 @@ void directory_members(void *env, DATA_OBJECT *out)
 }
 
 /*
- * Adds a word of a query behind a blank, unless a relation joins it to the word before: what rules
- * write as battery<=0.5 CLIPS reads as two words, and a number may stand in a variable.
+ * Adds a word of a query behind a blank, unless a relation joins it to the word before.  CLIPS
+ * reads battery<=0.5 as two words, and a variable may hold the number.
  */
 static bool query_add(struct mu_text *to, unsigned short type, const void *value)
 {
@@ -179,7 +182,7 @@ static bool query_read(void *env, struct mu_text *to)
     return !to->cut;
 }
 
-/* An agent that offers several services is named once. */
+/* Names an agent with several services once. */
 static void names_once(DATA_OBJECT *names)
 {
     struct field *fields = ((struct multifield *)names->value)->theFields;

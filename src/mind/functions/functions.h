@@ -10,7 +10,7 @@
 #include "mind/facts/facts.h"
 
 enum {
-    LAYERS_HANDLERS_MAX = 32, /* handlers of layers, in all of them together */
+    LAYERS_HANDLERS_MAX = 32, /* handlers in all layers together */
 };
 
 /* A deffunction that is the handler of a layer. */
@@ -19,25 +19,25 @@ struct layers_handler {
     SYMBOL_HN *function;
 };
 
-/* What rules have said by calling functions. */
+/* A mind and all that its rules ordered by calls of functions. */
 struct mind_output {
     struct mind_inputs inputs; /* first */
     struct mind_act act;       /* of this step */
     bool sense_again;
     struct mind_travel travel;
     struct mu_random random;
-    uint64_t asked;   /* questions so far, for reply-with */
-    bool rules_speak; /* a construct that is not of the library sends mail, or may */
+    uint64_t asked;   /* questions so far: each reply-with has another number */
+    bool rules_speak; /* a construct outside of the library sends mail, or may */
 
     struct layers_handler handlers[LAYERS_HANDLERS_MAX]; /* the youngest last */
     size_t handler_count;
-    const struct mind_mail *handled; /* by a handler that runs, or NULL */
+    const struct mind_mail *handled; /* the mail of the handler that runs, or NULL */
 
     /* the agent's own life */
     enum mind_wish wish;
     uint32_t wish_rules;
-    char stands[MU_FIELD_MAX + 1]; /* the rule with a breakpoint that it stopped before last */
-    bool passes;                   /* that rule may fire once all the same */
+    char stands[MU_FIELD_MAX + 1]; /* the rule with a breakpoint before which it stopped last */
+    bool passes;                   /* this rule may fire once nevertheless */
 };
 
 static inline struct mind_output *output_of(const struct mind *m)

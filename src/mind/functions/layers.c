@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Handlers of layers, written in rules: deffunctions that see a mail before it becomes a fact. They
- * are known by name, so that a deffunction may be defined anew, or go.
+ * Handlers of layers: deffunctions that see a mail before it becomes a fact.  A handler is kept by
+ * its name, so that rules may redefine or remove the deffunction.
  */
 #include "mind/functions/table.h"
 

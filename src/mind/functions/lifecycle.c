@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a line, or a rule, says of the agent's own life: run, step, suspend, and stopping before a
- * rule.  Nothing changes here; the robot asks what was wished when the line or the step is over.
+ * Wishes of a line or a rule about the agent's own life: run, step, suspend, move; and breakpoints.
+ * The functions only note a wish; the robot asks for it after the line or the step.
  */
 #include "core/name.h"
 #include "mind/functions/table.h"
@@ -14,7 +14,7 @@ static void control_wish(struct mind *m, enum mind_wish wish, uint32_t rules)
     output_of(m)->wish_rules = rules;
 }
 
-/* @return the number of rules that are asked for, or 0: it was none, and that is said */
+/* @return the number of rules that is asked for; 0, after a CLIPS error: the argument is none */
 static uint32_t control_count(void *env, const char *function)
 {
     long long rules;
@@ -65,7 +65,7 @@ void lifecycle_suspend(void *env, DATA_OBJECT *out)
 
 /* --- stopping before a rule ------------------------------------------------------------------- */
 
-/* The module whose rules fire next: the first in the focus with any, else MAIN. */
+/* @return the next activation: of the first module in the focus that has any, else of MAIN */
 static struct activation *control_next(struct mind *m)
 {
     const struct focus *f = EngineData(m->env)->CurrentFocus;
@@ -109,7 +109,7 @@ bool lifecycle_stops(struct mind *m)
 /* --- (moveTo), (clone), (dispose): where a mind is to go when its step is over ------------------
  */
 
-/* The name that an argument is.  @return false: it is none, and the call has ended in an error */
+/* Reads an argument that is a name.  @return false, after a CLIPS error */
 static bool name_take(void *env, const char *function, int index, char name[MU_NAME_MAX + 1])
 {
     const char *word;

@@ -35,7 +35,7 @@ static double math_atan(double x)
     return atan(x) * VALUE_DEG;
 }
 
-/* A function of one number; what it has no value for is a CLIPS error. */
+/* Calls a function of one number; a result that is no number is a CLIPS error. */
 static void math_call(void *env, const char *name, double (*function)(double), DATA_OBJECT *out)
 {
     double x;

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* So many cells of the map cost as much as one turn of a loop. */
+/* The cells of the map that cost as much as one turn of a loop. */
 enum { PLAN_CELLS_A_TICK = 8 };
 
 void path_has_map(void *env, DATA_OBJECT *out)
@@ -15,7 +15,7 @@ void path_has_map(void *env, DATA_OBJECT *out)
 
 void path_plan(void *env, DATA_OBJECT *out)
 {
-    static struct path path; /* large, and of use only until the fields are made */
+    static struct path path; /* large; read only until the fields are made */
     struct mind *m = environment_mind(env);
     const struct mu_percept *p = &inputs_of(m)->percept;
     double to_mm[2];

@@ -56,7 +56,7 @@ static bool query_is_explicit(const struct query_parser *p)
            !((const struct deftemplate *)relation->value)->implied;
 }
 
-/* One part that is no closing parenthesis.  @return false: an error was printed */
+/* Reads one part, no closing parenthesis.  @return false: an error was printed */
 static bool query_part(struct query_parser *p, struct token *t)
 {
     char letter = 'v';
@@ -140,7 +140,7 @@ static bool query_equal(const struct field *f, const DATA_OBJECT *value)
     return f->type == value->type && f->value == value->value;
 }
 
-/* Whether fields match the mask up to a ')' or its end. */
+/* @return whether fields match the mask up to a ')' or its end */
 static bool query_match(const struct field *f, long count, const char *mask,
                         const DATA_OBJECT *value)
 {

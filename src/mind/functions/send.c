@@ -118,7 +118,7 @@ static bool who_add_names(struct mu_text *to, const DATA_OBJECT *who)
 
 const char *send_address(void *env, const char *function, int index, const char *wanted)
 {
-    static char names[MU_DST_MAX + 1]; /* one thread, and the port copies it */
+    static char names[MU_DST_MAX + 1]; /* one thread uses it, and the port copies it */
     DATA_OBJECT who;
     struct mu_text to;
     bool good = false;
@@ -314,7 +314,7 @@ static bool reply_to_fact(const struct mind *m, const DATA_OBJECT *mail, struct 
     return true;
 }
 
-/* A handler of a layer has no fact yet: it names the mail by its number. */
+/* Finds the mail by its number: for a handler of a layer it is no fact yet. */
 static bool reply_to_handled(const struct mind *m, const DATA_OBJECT *mail,
                              struct mind_letter *letter)
 {
@@ -349,7 +349,7 @@ void send_reply(void *env, DATA_OBJECT *out)
     send_letter(env, "reply", &letter, &fields, out);
 }
 
-/* A group's own name will do where no agent bears it.  @return whether it is such a name */
+/* @return whether it is the name of a group, and of no agent */
 static bool you_do_group(const struct mind *m, const char *name)
 {
     const struct mind_ports *ports = &m->options.ports;

@@ -93,7 +93,7 @@ void sensors_sonar_data(void *env, DATA_OBJECT *out)
     value_float(env, out, fmax(0, fmin(clear, clip)));
 }
 
-/* The index of an element as an argument.  @return false: it is none, and a CLIPS error */
+/* Reads the index of an element.  @return false, after a CLIPS error */
 static bool list_index(void *env, const struct mu_channel *c, int argument, size_t count,
                        long long *index)
 {

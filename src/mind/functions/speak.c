@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/* The value of a key, evaluated and entered.  @return false, after a CLIPS error */
+/* Reads the value of a key into a letter.  @return false, after a CLIPS error */
 typedef bool (*speak_key)(void *env, int index, size_t offset, struct mind_letter *letter);
 
 static bool speak_word(void *env, int index, size_t offset, struct mind_letter *letter)
@@ -22,7 +22,7 @@ static bool speak_word(void *env, int index, size_t offset, struct mind_letter *
     return true;
 }
 
-/* reply-by SECONDS: the answer's last time, and so the mail's own. */
+/* reply-by SECONDS: the time after which neither the answer nor the mail is of use. */
 static bool speak_reply_by(void *env, int index, size_t offset, struct mind_letter *letter)
 {
     (void)offset;

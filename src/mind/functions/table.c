@@ -33,7 +33,7 @@ static const struct {
 
 enum { FUNCTION_GROUPS = sizeof function_groups / sizeof function_groups[0] };
 
-/* Parses a call as CLIPS does that of a function without a parser. */
+/* Parses a call as CLIPS does for a function without a parser of its own. */
 static struct expr *function_parse(void *env, struct expr *top, const char *source)
 {
     const struct FunctionDefinition *f = top->value;
@@ -46,7 +46,7 @@ static struct expr *function_parse(void *env, struct expr *top, const char *sour
     return good ? top : NULL;
 }
 
-/* Has a parser of ours note who calls a function; all else of it stays. */
+/* Gives a function a parser that notes its calls; all else of the function stays. */
 static void function_note(struct mind *m, const char *name,
                           struct expr *(*parse)(void *env, struct expr *top, const char *source))
 {
@@ -55,7 +55,7 @@ static void function_note(struct mind *m, const char *name,
     const struct FunctionDefinition before = *f;
     (void)AddFunctionParser(m->env, name, parse);
     f->restrictions = before.restrictions; /* CLIPS leaves them to the parser, */
-    f->overloadable = before.overloadable; /* and wants no methods of its function */
+    f->overloadable = before.overloadable; /* and allows no methods of the function */
 }
 
 /* Functions that send mail, or change groups and services, and those that call any function. */

@@ -304,24 +304,26 @@ struct expr *query_parse(void *env, struct expr *top, const char *source);
 
 /* send.c */
 
-/* A letter in which nothing is said. */
+/* An empty letter. */
 extern const struct mind_letter send_blank;
 
 /** Evaluates the arguments from first on, as one multifield.  @return false, after a CLIPS error */
 bool send_fields(void *env, const char *function, int first, DATA_OBJECT *fields);
 
 /**
- * Reads an argument that says for whom a mail is: a name, an address, or a multifield of names.
+ * Reads the addressee of a mail: a name, an address, or a multifield of names.
  *
- * @param wanted  what a CLIPS error is to say
+ * @param wanted  the text of a CLIPS error
  * @return the address, until the next call; NULL, after a CLIPS error
  */
 const char *send_address(void *env, const char *function, int index, const char *wanted);
 
-/** Writes a word for a question that this agent has not used yet.  @return to */
+/** Writes a new word for the reply-with of a question.  @return to */
 const char *send_question(void *env, char *to, size_t size);
 
-/** Hands a letter over: FALSE when there is no room, else TRUE or the word that the answer bears.
+/**
+ * Hands a letter over.  The result is FALSE without room, else TRUE or the word that the answer
+ * bears.
  */
 void send_hand(void *env, const struct mind_letter *letter, DATA_OBJECT *out);
 

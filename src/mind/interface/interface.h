@@ -94,9 +94,9 @@ struct mind_ports {
     bool (*trace)(void *self, const char *text);
     /** Rules or a line have been at work for a while: called now and then.  May be NULL. */
     void (*work)(void *self);
-    /** The engine has been in one call for so long, of the processor's time, and comes to no guard:
-     * called four times a second, in a signal handler.  @return MIND_WAITS, MIND_BREAKS, or the
-     * exit code of the process, which says why and ends.  NULL: it waits */
+    /** The engine has been in one call for so long, of the processor's time, and comes to no check
+     * of its budget: called four times a second, in a signal handler.  @return MIND_WAITS,
+     * MIND_BREAKS, or the exit code of the process, which says why and ends.  NULL: it waits */
     int (*stuck)(void *self, unsigned ms);
 };
 
@@ -136,7 +136,7 @@ struct mind_act {
     uint32_t errors;   /* right-hand sides that ended in an error */
     const char *rules; /* names of those fired, in order, between spaces; until the next call */
     enum mind_end end;
-    const char *why;    /* MIND_STOPPED: which guard: "depth", "ticks", "memory"; MIND_BREAK: the
+    const char *why;    /* MIND_STOPPED: which limit: "depth", "ticks", "memory"; MIND_BREAK: the
                            rule that would fire next */
     const char *enough; /* why the robot had better be suspended; NULL: it goes on */
 };

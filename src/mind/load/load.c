@@ -8,7 +8,7 @@
 
 enum { LOAD_TEXT_MAX = 2 * LOAD_FILE_MAX, LOAD_PATH_MAX = MU_FAULT_FILE_MAX + 1 };
 
-/* CLIPS calls this with the line of the form at which it gave up. */
+/* CLIPS calls this with the line, within the form, of a mistake. */
 static void load_note_error(void *env, const char *file, const char *warning, const char *error,
                             long line)
 {
@@ -33,7 +33,7 @@ void load_reserve(struct mind *m)
     loader_of(m)->form = mu_startup_alloc(LOAD_FILE_MAX);
 }
 
-/* Reads a file into what is free of the stack of texts. */
+/* Reads a file into the free part of the stack of texts. */
 static mu_result load_read(const struct mind *m, const char *path, struct mu_text *text,
                            struct mu_fault *fault)
 {
@@ -46,7 +46,7 @@ static mu_result load_read(const struct mind *m, const char *path, struct mu_tex
     return m->options.read(path, text, fault);
 }
 
-/* Reads a file onto the stack. */
+/* Reads a file onto the stack of texts. */
 static mu_result load_push(struct mind *m, const char *path, const char **at,
                            struct mu_fault *fault)
 {
@@ -65,7 +65,7 @@ static mu_result load_push(struct mind *m, const char *path, const char **at,
     return MU_OK;
 }
 
-/* Makes what CLIPS said one line: its message, without the source that it repeats. */
+/* Writes the message of CLIPS as one line, without the source that it repeats. */
 static void load_said(struct mind *m, char *to, size_t size)
 {
     syntax_as_written(m->said.at);
@@ -114,7 +114,7 @@ mu_result load_construct(struct mind *m, const char *path, struct syntax_form f,
     return MU_OK;
 }
 
-/* @return whether the form begins with this word; then *behind is where it goes on */
+/* @return whether the form begins with this word; *behind is the place behind the word */
 static bool load_begins(struct syntax_form f, const char *begin, const char **behind)
 {
     *behind = f.at + 1;
@@ -123,7 +123,10 @@ static bool load_begins(struct syntax_form f, const char *begin, const char **be
            strncmp(word.at, begin, word.len) == 0;
 }
 
-/* @return whether the form is (extends "FILE"); well_formed: with the file's name copied */
+/*
+ * @return whether the form is (extends ...).  well_formed: it is (extends "FILE"), and the name is
+ * copied
+ */
 static bool load_is_extends(struct syntax_form f, char *name, size_t size, bool *well_formed)
 {
     const char *at;
@@ -157,7 +160,7 @@ static bool load_beside(const struct mind *m, const char *file, const char *name
     return len > 0 && (size_t)len < size && load_exists(m, path);
 }
 
-/* @return whether the library's file is replaced by one that lies beside the robot's rule file */
+/* @return whether a file beside the robot's rule file replaces one of the library */
 static bool load_replaces(const struct mind *m, const char *from, const char *name, char *path,
                           size_t size)
 {
@@ -169,7 +172,7 @@ static bool load_replaces(const struct mind *m, const char *from, const char *na
     return own && of_library && load_beside(m, own, name, path, size) && strcmp(path, own) != 0;
 }
 
-/* Where an extended file is: beside the one that names it, else in the library. */
+/* Finds an extended file: beside the one that names it, else in the library. */
 static bool load_find(const struct mind *m, const char *from, const char *name, char *path,
                       size_t size)
 {
@@ -199,7 +202,7 @@ static bool load_is_same(const char *a, const char *b)
     return *a == *b;
 }
 
-/* @return whether a file is one of those being loaded */
+/* @return whether a file is being loaded already */
 static bool load_is_open(const struct mind *m, const char *path)
 {
     const struct mind_loader *l = loader_of(m);

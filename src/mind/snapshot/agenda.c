@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The agenda in a snapshot.  What a mind has fired is not on its agenda any more; when its facts
- * are asserted in another mind, everything is activated again.  So each activation has a key that
- * is the same in both, and what is not in the list is taken off.
+ * The agenda in a snapshot.  Facts that are asserted in another mind activate all rules again, also
+ * those that have fired.  So each activation has a key that is equal in both minds, and an
+ * activation whose key is not in the snapshot is deleted.
  */
 #include "core/hash.h"
 #include "mind/snapshot/fields.h"
 
 #include <string.h>
 
-/* Rules with an `or` are several of one name. */
+/* CLIPS compiles a rule with an `or` to several rules of one name. */
 static int disjunct_number(const struct defrule *rule)
 {
     const struct constructHeader *h = rule->header.whichModule->firstItem;
@@ -23,7 +23,7 @@ static int disjunct_number(const struct defrule *rule)
     return number;
 }
 
-/* The facts that it stands on, and where in them `$?` begin and end. */
+/* Adds the facts of an activation, and where the `$?` in them begin and end. */
 static void basis_add(struct mu_text *key, const struct partialMatch *basis)
 {
     for (unsigned i = 0; i < basis->bcount; i++) {
@@ -76,7 +76,7 @@ void snapshot_save_agenda(struct mind *m, struct mu_text *out)
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
-/* What a line says of the activation with that key; key NULL: no line is there. */
+/* A line about the activation with that key; key NULL: the place is free. */
 struct agenda_line {
     const char *key;
     size_t len;
@@ -84,7 +84,7 @@ struct agenda_line {
     unsigned long long timetag;
 };
 
-/* The lines, found by their keys, and how many of them came about again. */
+/* A hash table of the lines by their keys, and how many activations were found again. */
 struct agenda {
     struct agenda_line *lines;
     size_t places; /* a power of two, twice as many as lines at least */
@@ -178,7 +178,7 @@ static mu_result activations_load(struct snapshot *c)
                              (unsigned long long)(g.count - g.found), (unsigned long long)g.count);
 }
 
-/* The stack was written from its top: the last comes first. */
+/* The stack was written from its top, so the last name is pushed first. */
 static mu_result focus_load(struct snapshot *c)
 {
     void *env = c->mind->env;

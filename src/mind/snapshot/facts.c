@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Globals and facts in a snapshot.  Facts keep their indices and their order, which need not be
- * that of the indices: see percept_show.
+ * Globals and facts in a snapshot.  Facts keep their indices and their order, which may differ from
+ * the order of indices: see percept_show.
  */
 #include "mind/snapshot/fields.h"
 
@@ -46,7 +46,7 @@ bool snapshot_save_globals(struct mind *m, struct mu_text *out, const char **why
     return good;
 }
 
-/* Takes a module, which becomes the current one, and a name in it.  @return NULL: there is none */
+/* Reads a module, which becomes the current one, and a name in it.  @return NULL: there is none */
 static const char *name_load(struct snapshot *c)
 {
     void *env = c->mind->env;
@@ -60,7 +60,7 @@ static const char *name_load(struct snapshot *c)
     return word;
 }
 
-/* The global that a line names.  @return NULL: there is none */
+/* @return the global that a line names; NULL: there is none */
 static struct defglobal *global_find(struct snapshot *c)
 {
     const char *name = name_load(c);
@@ -142,7 +142,10 @@ bool snapshot_save_facts(struct mind *m, struct mu_text *out, const char **why)
     return !*why;
 }
 
-/* The template that a line names; one of ordered facts is made when no rule has it. */
+/*
+ * @return the template that a line names; NULL: there is none.  Creates one of ordered facts if no
+ * rule has it.
+ */
 static struct deftemplate *template_find(struct snapshot *c)
 {
     void *env = c->mind->env;

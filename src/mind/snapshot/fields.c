@@ -115,7 +115,7 @@ static bool text_read(struct snapshot *c, char *to)
     return good;
 }
 
-/* A text may be as long as the snapshot has room. */
+/* A text may be as long as the snapshot. */
 static bool field_text(struct snapshot *c, unsigned short type, struct field *out)
 {
     void *env = c->mind->env;

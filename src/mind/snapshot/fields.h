@@ -14,18 +14,18 @@
 
 enum { SNAPSHOT_NONE = -1, SNAPSHOT_KEY_MAX = 1024 };
 
-/* A snapshot that is read, from its first line to its last. */
+/* The reader of a snapshot. */
 struct snapshot {
     struct mind *mind;
     const char *at;
     struct mu_fault *fault;
     int line;
-    const char *word; /* that was read last: a symbol */
+    const char *word; /* the symbol that was read last */
 };
 
-/* snapshot_text.c: the fields */
+/* fields.c */
 
-/** @return MU_FAULT_FILE, with the line and what is wrong there */
+/** @return MU_FAULT_FILE: the fault has the line and the expected text */
 mu_result snapshot_wrong(struct snapshot *c, const char *what);
 
 /** Adds a space and a field.  @return false: it is of a type that cannot be written down */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A mind as text: what a snapshot begins with, its rules and its switches. */
+/* A mind as text: the head of a snapshot, its rules and its switches. */
 #include "mind/snapshot/fields.h"
 
 #include "core/hash.h"
@@ -11,7 +11,7 @@
 static const char SNAPSHOT_WORD[] = "muster-capsule";
 enum { SNAPSHOT_VERSION = 3, SNAPSHOT_HEAD_MAX = 96 };
 
-/* Against pieces that are lost or mixed up, not against attackers. */
+/* A checksum against pieces that are lost or mixed up, not against attackers. */
 static uint64_t snapshot_sum(const char *body, size_t len)
 {
     return mu_hash_bytes(MU_HASH_EMPTY, body, len);
@@ -19,7 +19,7 @@ static uint64_t snapshot_sum(const char *body, size_t len)
 
 /* --- switches --------------------------------------------------------------------------------- */
 
-/* What (set-strategy) and the like have changed, in the order of a snapshot. */
+/* Settings of (set-strategy) and the like, in the order of a snapshot. */
 static const struct {
     int (*get)(void *env);
     int (*set)(void *env, int value);
@@ -104,7 +104,10 @@ static void constructs_save(struct mind *m, struct mu_text *out)
     mu_text_format(out, "\nconstructs-end %zu\n", out->len - start);
 }
 
-/* @return whether a form defines what every mind has, and does not let be redefined */
+/*
+ * @return whether a form defines the mail template, which every mind has and which cannot be
+ * redefined
+ */
 static bool form_is_ours(struct syntax_form f)
 {
     static const char mail[] = "(deftemplate MAIN::mail";
@@ -133,7 +136,7 @@ static mu_result constructs_load(struct snapshot *c)
     return good && snapshot_end(c) ? MU_OK : snapshot_wrong(c, "the end of the rules");
 }
 
-/* What was taken where it was written is taken here. */
+/* Loads the rules without the checks that they passed in the mind that wrote them. */
 static mu_result rules_load(struct snapshot *c)
 {
     void *env = c->mind->env;
@@ -222,7 +225,8 @@ mu_result snapshot_save(struct mind *m, struct mu_text *out, struct mu_fault *fa
     char head[SNAPSHOT_HEAD_MAX + 1];
     const char *why = NULL;
     mu_text_clear(out);
-    mu_text_format(out, "%*s", SNAPSHOT_HEAD_MAX, ""); /* its place: the sum comes last */
+    mu_text_format(out, "%*s", SNAPSHOT_HEAD_MAX,
+                   ""); /* room for the head: the checksum is known last */
     if (!body_save(m, out, &why)) {
         (void)mu_fault_at(fault, "capsule", 0, 0, "%s", why);
         return out->cut ? MU_FULL : MU_REFUSED;
@@ -261,7 +265,7 @@ mu_result snapshot_check(const char *text, size_t len, struct mu_fault *fault)
     return MU_OK;
 }
 
-/* A fresh mind has facts of its own beginning; the snapshot has all that there are to be. */
+/* Drops the initial facts of a fresh mind: the snapshot has all facts. */
 static void facts_drop(struct mind *m)
 {
     EnvReset(m->env); /* for CLIPS's own instance */
@@ -282,9 +286,11 @@ static mu_result body_load(struct snapshot *c, char name[MU_NAME_MAX + 1])
     MU_TRY(rules_load(c));
     environment_begin(m);
     budget_start(m, BUDGET_MEMORY_SPARE);
-    EnvIncrementGCLocks(m->env); /* nothing read here may go before it stands somewhere */
+    EnvIncrementGCLocks(
+        m->env); /* no garbage collection before the values stand in facts and globals */
     mu_result r = gensym_load(c);
-    struct snapshot globals = *c; /* patterns look at them, and they at facts */
+    struct snapshot globals =
+        *c; /* loaded twice: patterns use globals, and globals may hold facts */
     r = r == MU_OK ? snapshot_load_globals(c) : r;
     r = r == MU_OK ? snapshot_load_facts(c) : r;
     r = r == MU_OK ? snapshot_load_globals(&globals) : r;

@@ -8,13 +8,15 @@
 
 #include "mind/load/load.h"
 
-/** Writes a mind down: as mind_save. */
+/** As mind_save. */
 MU_MUST_USE mu_result snapshot_save(struct mind *m, struct mu_text *out, struct mu_fault *fault);
 
 /** @return MU_OK: the text is a whole snapshot of this version */
 MU_MUST_USE mu_result snapshot_check(const char *text, size_t len, struct mu_fault *fault);
 
-/** Makes a fresh mind what a checked snapshot says: as mind_restore.  @param name  out: whose it is
+/**
+ * Restores a fresh mind from a checked snapshot: as mind_restore.
+ * @param name  out: the agent's
  */
 MU_MUST_USE mu_result snapshot_load(struct mind *m, const char *text, struct mu_fault *fault,
                                     char name[MU_NAME_MAX + 1]);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What C code keeps of a mind: percept, mail, handlers, events, random numbers. */
+/* The C state of a mind in a snapshot: percept, mail, handlers, events, random numbers. */
 #include "mind/snapshot/fields.h"
 
 #include <string.h>
@@ -47,7 +47,7 @@ static bool counts_load(struct snapshot *c, const char *word, uint64_t *to, size
     return snapshot_end(c);
 }
 
-/* A fact that C code keeps, or has let rules take away. */
+/* Reads the index of a fact that C code holds, or that rules have retracted. */
 static bool fact_load(struct snapshot *c, struct fact **fact)
 {
     long long index;
@@ -107,7 +107,7 @@ static bool field_load(struct snapshot *c, const struct mu_field *f, char *eleme
     return good;
 }
 
-/* A plain list is one line; of records, each is one. */
+/* Writes a plain list as one line, and each record as one. */
 static void list_save(struct mind *m, struct mu_text *out, const struct mu_channel *c)
 {
     size_t count;
@@ -277,7 +277,7 @@ static bool mail_fact_load(struct snapshot *c)
     return snapshot_end(c);
 }
 
-static bool parked_load(struct snapshot *c)
+static bool mail_ring_load(struct snapshot *c)
 {
     struct mind_mail mail = {.id = 0};
     struct field content;
@@ -301,7 +301,7 @@ static bool mail_load(struct snapshot *c)
         good = mail_fact_load(c);
     }
     while (good && snapshot_line(c, "parked")) {
-        good = parked_load(c);
+        good = mail_ring_load(c);
     }
     return good;
 }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a person has said at a console: where the rules are to stop, and what is watched. */
+/* Settings of a person at a console: breakpoints, and watched items. */
 #include "mind/snapshot/fields.h"
 
 #include <string.h>
 
-/* In the order in which they are written; those of facts, rules and activations have exceptions. */
+/* In the order of a snapshot; facts, rules and activations have exceptions by construct. */
 static const char *const items[] = {"facts", "rules",   "activations",
                                     "focus", "globals", "deffunctions"};
 

@@ -23,7 +23,9 @@ static bool is_delimiter(char c)
     return c == '\0' || is_space(c) || c == '(' || c == ')' || c == '"' || c == ';';
 }
 
-/* @return behind the string that begins at s, or at the end of the text when it has no end */
+/*
+ * @return the place behind the string that begins at s; the end of the text: the string has no end
+ */
 static const char *skip_string(const char *s, int *line)
 {
     for (s++; *s && *s != '"'; s++) {
@@ -144,7 +146,7 @@ const char *syntax_check(const char *text)
     }
 }
 
-/* Whether the list that opens at s is a call of this name. */
+/* @return whether the list that opens at s is a call of this name */
 static bool list_is(const char *s, const char *end, const char *name)
 {
     size_t len = strlen(name);
@@ -154,7 +156,7 @@ static bool list_is(const char *s, const char *end, const char *name)
     return (size_t)(end - s) > len && strncmp(s, name, len) == 0 && is_delimiter(s[len]);
 }
 
-/* Where the rewriter stands in a rule. */
+/* The place of the rewriter in a rule. */
 struct rewriter {
     struct mu_text *out;
     const char *end;
@@ -164,7 +166,7 @@ struct rewriter {
     char last;  /* the character before this one */
 };
 
-/* @return behind the global at s, or NULL when there is none */
+/* @return the place behind the global at s; NULL: there is none */
 static const char *global_end(const char *s, const char *end)
 {
     if (end - s < 4 || s[0] != '?' || s[1] != '*') {
@@ -192,7 +194,7 @@ static void rewrite_parenthesis(struct rewriter *r, const char *s)
     }
 }
 
-/* @return behind what was copied */
+/* @return the place behind the copied text */
 static const char *rewrite_next(struct rewriter *r, const char *s)
 {
     int lines = 0;

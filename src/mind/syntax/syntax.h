@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
- * @file clips_text.h
+ * @file syntax.h
  * CLIPS source as text: forms, fields, and the one thing that muster adds to the dialect.
  *
  * Pure: no CLIPS environment, nothing is evaluated here.
@@ -13,7 +13,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* A deeper nesting could end the stack in the recursive parser of CLIPS. */
+/* A deeper nesting could exhaust the stack in the recursive parser of CLIPS. */
 enum { SYNTAX_NESTING_MAX = 256 };
 
 enum syntax_form_kind { SYNTAX_FORM_END, SYNTAX_FORM_LIST, SYNTAX_FORM_ATOM, SYNTAX_FORM_BAD };
@@ -24,7 +24,7 @@ struct syntax_form {
     const char *at;
     size_t len;
     int line;         /* where it begins, from the line that the caller passed */
-    const char *what; /* of a bad one: what is wrong with it */
+    const char *what; /* the mistake of a bad form */
 };
 
 /**
