@@ -7,7 +7,7 @@
 #include "core/text.h"
 #include "muster/memory.h"
 #include "sim/record/record.h"
-#include "sim/session/parts.h"
+#include "sim/session/session.h"
 #include "world/world_load.h"
 
 #include <fcntl.h>
@@ -233,25 +233,16 @@ static uint64_t step_choose(const struct world *world)
     return world->step_ns > 0 ? world->step_ns : MU_STEP_NS;
 }
 
-static bool robots_choose(struct session *s, const struct mu_option_list *names)
+static mu_result robots_check(const struct world *world)
 {
-    for (size_t r = 0; names->count > 0 && r < s->robot_count; r++) {
-        s->agents.at[r].controlled = false;
-        for (size_t i = 0; i < names->count; i++) {
-            s->agents.at[r].controlled |= strcmp(names->items[i], s->agents.at[r].name) == 0;
+    for (size_t i = 0; i < set.robots.count; i++) {
+        int body = record_find_body(world, set.robots.items[i]);
+        if (body < 0 || (size_t)body >= world->robot_count) {
+            fprintf(stderr, "muster sim: the world has no robot named %s\n", set.robots.items[i]);
+            return MU_FAULT_USAGE;
         }
     }
-    for (size_t i = 0; i < names->count; i++) {
-        bool found = false;
-        for (size_t r = 0; r < s->robot_count; r++) {
-            found = found || strcmp(names->items[i], s->agents.at[r].name) == 0;
-        }
-        if (!found) {
-            fprintf(stderr, "muster sim: the world has no robot named %s\n", names->items[i]);
-            return false;
-        }
-    }
-    return true;
+    return MU_OK;
 }
 
 static int session_live(struct session *s)
@@ -266,7 +257,7 @@ static int session_live(struct session *s)
     }
     mu_result ran = session_run(s);
     if (ran == MU_TIMEOUT) {
-        fprintf(stderr, "muster sim: %s\n", s->waits_for);
+        fprintf(stderr, "muster sim: %s\n", session_waits_for(s));
         return MU_EXIT_CRASH;
     }
     return ran == MU_DONE ? MU_EXIT_INTERRUPTED : MU_EXIT_DONE;
@@ -275,30 +266,32 @@ static int session_live(struct session *s)
 /* What `muster run` says itself of its runs. */
 static void hash_print(const struct session *s)
 {
-    if (!set.waits_for_go && !set.free && s->hash_text[0]) {
-        printf("hash   %s\n", s->hash_text);
+    if (!set.waits_for_go && !set.free && session_hash(s)[0]) {
+        printf("hash   %s\n", session_hash(s));
     }
-}
-
-/* Ends what the run has written.  @return the exit code; a fault of the run counts more than one of
- * the disk */
-static int records_close(struct session *s, struct mcap_file *recording, int code)
-{
-    bool tracks = !s->tracks || tracks_close(s->tracks) == MU_OK;
-    bool events = script_close(s->script) == MU_OK;
-    bool run = !recording || mcap_file_close(recording) == MU_OK;
-    bool counts = code == MU_EXIT_DONE || code == MU_EXIT_INTERRUPTED;
-    return (tracks && events && run) || !counts ? code : MU_EXIT_WRITE;
 }
 
 /* What the program is made of. */
 struct simulator {
+    struct bus bus;
     struct world *world;
     struct engine *engine;
     struct session *session;
     struct tracks *tracks;       /* NULL: no tracks are wanted */
+    struct events *events;       /* NULL: no events are */
     struct mcap_file *recording; /* NULL: no recording is */
 };
+
+/* Ends what the run has written.  @return the exit code; a fault of the run counts more than one of
+ * the disk */
+static int records_close(struct simulator *sim, int code)
+{
+    bool tracks = !sim->tracks || tracks_close(sim->tracks) == MU_OK;
+    bool events = !sim->events || events_close(sim->events) == MU_OK;
+    bool run = !sim->recording || mcap_file_close(sim->recording) == MU_OK;
+    bool counts = code == MU_EXIT_DONE || code == MU_EXIT_INTERRUPTED;
+    return (tracks && events && run) || !counts ? code : MU_EXIT_WRITE;
+}
 
 static int engine_make(struct simulator *sim, uint64_t step_ns)
 {
@@ -333,38 +326,41 @@ static int records_open(struct simulator *sim)
                                         .free = set.free,
                                         .seed = (uint64_t)set.seed,
                                         .duration_s = set.duration_s};
-    bool good = (!set.csv || tracks_open(&sim->tracks, set.csv) == MU_OK) &&
+    const struct condition_names names = record_names(sim->world);
+    mu_result events =
+        set.events ? events_open(&sim->events, set.events, &set.conditions, &names) : MU_OK;
+    if (events == MU_FAULT_USAGE) {
+        return MU_EXIT_USAGE;
+    }
+    bool good = events == MU_OK && (!set.csv || tracks_open(&sim->tracks, set.csv) == MU_OK) &&
                 (!set.record || mcap_file_open(&sim->recording, &options) == MU_OK);
     return good ? MU_EXIT_DONE : MU_EXIT_WRITE;
 }
 
-static int network_join(struct session *s)
+static int network_join(struct bus *bus)
 {
     struct bus_options options = {.domain = (int)set.network.domain,
                                   .place = BUS_SIMULATOR,
                                   .name = "simulator",
                                   .interface = set.network.interface,
                                   .hub = mu_network_peers(&set.network)};
-    mu_result opened = bus_open(&s->bus, &options);
+    mu_result opened = bus_open(bus, &options);
     if (opened == MU_BUSY) {
         fprintf(stderr, "muster sim: domain %d has a simulator already\n", options.domain);
     }
     return mu_exit_for(opened);
 }
 
-static int events_open(struct session *s)
-{
-    mu_result opened = set.events ? script_record(s->script, set.events, set.conditions.items,
-                                                  set.conditions.count)
-                                  : MU_OK;
-    int refused = opened == MU_FAULT_OS ? MU_EXIT_WRITE : MU_EXIT_USAGE;
-    return opened == MU_OK ? MU_EXIT_DONE : refused;
-}
-
 static int session_make(struct simulator *sim, uint64_t step_ns)
 {
-    struct session *s = sim->session;
-    struct session_options options = {.seed = (uint64_t)set.seed,
+    struct session_options options = {.world = sim->world,
+                                      .engine = sim->engine,
+                                      .bus = &sim->bus,
+                                      .tracks = sim->tracks,
+                                      .events = sim->events,
+                                      .recording = sim->recording,
+                                      .robots = &set.robots,
+                                      .seed = (uint64_t)set.seed,
                                       .step_ns = step_ns,
                                       .broker = set.network.broker,
                                       .duration_ns = (uint64_t)llround(set.duration_s * 1e9),
@@ -378,26 +374,15 @@ static int session_make(struct simulator *sim, uint64_t step_ns)
                                       .signal_came = &signal_came,
                                       .silence_ns = (uint64_t)(set.silence_s * 1e9),
                                       .return_ns = (uint64_t)(set.return_s * 1e9)};
-    if (session_open(s, &options, sim->world, sim->engine, sim->tracks) != MU_OK) {
-        return MU_EXIT_DDS;
-    }
-    if (!robots_choose(s, &set.robots)) {
-        return MU_EXIT_USAGE;
-    }
-    if (sim->recording) {
-        const struct record_listener listener = mcap_file_listener(sim->recording);
-        session_listen(s, &listener);
-    }
-    return events_open(s);
+    return session_open(&sim->session, &options) == MU_OK ? MU_EXIT_DONE : MU_EXIT_DDS;
 }
 
 static int simulator_make(struct simulator *sim)
 {
     uint64_t step_ns = step_choose(sim->world);
     int code = engine_make(sim, step_ns);
-    sim->session = mu_startup_alloc(sizeof *sim->session);
     code = code == MU_EXIT_DONE ? records_open(sim) : code;
-    code = code == MU_EXIT_DONE ? network_join(sim->session) : code;
+    code = code == MU_EXIT_DONE ? network_join(&sim->bus) : code;
     return code == MU_EXIT_DONE ? session_make(sim, step_ns) : code;
 }
 
@@ -412,6 +397,7 @@ int main(int argc, char **argv)
     mu_log_open("sim", set.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
     sim.world = mu_startup_alloc(sizeof *sim.world);
     mu_result prepared = world_prepare(sim.world, path);
+    prepared = prepared == MU_OK ? robots_check(sim.world) : prepared;
     if (prepared != MU_OK) {
         return mu_exit_for(prepared);
     }
@@ -423,10 +409,10 @@ int main(int argc, char **argv)
     sigaction(SIGINT, &note, NULL);
     sigaction(SIGTERM, &note, NULL);
     mu_memory_seal();
-    code = records_close(sim.session, sim.recording, session_live(sim.session));
+    code = records_close(&sim, session_live(sim.session));
     if (code == MU_EXIT_DONE || code == MU_EXIT_INTERRUPTED) {
         hash_print(sim.session);
     }
-    bus_close(&sim.session->bus);
+    bus_close(&sim.bus);
     return code;
 }

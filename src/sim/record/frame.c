@@ -39,7 +39,8 @@ struct frame_builder {
     muster_Act sorted[MU_FRAME_ACTS_MAX];
     uint32_t act_count;
     struct outside outside[2]; /* of even and odd steps */
-    struct order_queue orders;
+    struct order orders[MU_ORDERS_MAX];
+    uint32_t order_count;
     muster_RunCommand orders_out[MU_ORDERS_MAX];
     uint64_t left_out;
 };
@@ -150,7 +151,7 @@ void frame_begin(struct frame_builder *v, int64_t step, uint64_t time_ns)
     v->frame.step = step;
     v->frame.time_ns = time_ns;
     v->frame.percepts._length = 0;
-    v->orders.count = 0;
+    v->order_count = 0;
 }
 
 void frame_take_body(struct frame_builder *v, size_t robot, const struct engine_sample *sample,
@@ -246,7 +247,11 @@ void frame_add_outside(struct frame_builder *v, int64_t step, const muster_Mail 
 
 void frame_add_order(struct frame_builder *v, const muster_RunCommand *order)
 {
-    v->left_out += order_queue_put(&v->orders, order) != MU_OK;
+    if (v->order_count == MU_ORDERS_MAX) {
+        v->left_out++;
+        return;
+    }
+    order_copy(&v->orders[v->order_count++], order);
 }
 
 /* --- the Frame -------------------------------------------------------------------------------- */
@@ -270,9 +275,9 @@ static void acts_sort(struct frame_builder *v)
 
 static void orders_list(struct frame_builder *v)
 {
-    uint32_t count = (uint32_t)v->orders.count;
+    uint32_t count = v->order_count;
     for (uint32_t i = 0; i < count; i++) {
-        v->orders_out[i] = v->orders.at[i].command;
+        v->orders_out[i] = v->orders[i].command;
         v->orders_out[i].simulator = v->frame.simulator;
     }
     v->frame.orders = (dds_sequence_muster_RunCommand){

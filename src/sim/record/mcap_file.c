@@ -23,6 +23,7 @@ struct mcap_file {
     bool without_percepts;
     uint32_t scenes, frames, states; /* channels */
     uint32_t sequence;
+    struct bus_bytes bytes; /* of the message written last */
     struct mcap_pair pairs[PAIRS_MAX];
     char keys[PAIRS_MAX][64];
 };
@@ -210,29 +211,31 @@ mu_result mcap_file_open(struct mcap_file **out, const struct mcap_file_options 
 
 /* --- the run ---------------------------------------------------------------------------------- */
 
-static void message_add(struct mcap_file *f, uint32_t channel, uint64_t time_ns,
-                        const struct bus_bytes *bytes)
+static void message_add(struct mcap_file *f, enum bus_topic topic, uint32_t channel,
+                        uint64_t time_ns, const void *sample)
 {
+    if (bus_encode(topic, sample, &f->bytes) != MU_OK) {
+        return;
+    }
     struct mcap_message m = {.channel = channel,
                              .sequence = f->sequence++,
                              .log_ns = time_ns,
                              .publish_ns = mu_clock_wall_ns(),
-                             .data = bytes->data,
-                             .size = bytes->size};
+                             .data = f->bytes.data,
+                             .size = f->bytes.size};
     (void)mcap_writer_message(f->file, &m);
 }
 
-static void scene_take(void *self, const muster_Scene *scene, const struct bus_bytes *bytes)
+void mcap_file_scene(struct mcap_file *f, const muster_Scene *scene)
 {
-    struct mcap_file *f = self;
-    (void)scene;
-    message_add(f, f->scenes, 0, bytes);
+    message_add(f, BUS_SCENE, f->scenes, 0, scene);
 }
 
-static void frame_take(void *self, const muster_Frame *frame, const struct bus_bytes *bytes)
+void mcap_file_frame(struct mcap_file *f, const muster_Frame *frame)
 {
-    struct mcap_file *f = self;
-    message_add(f, f->frames, frame->time_ns, bytes);
+    muster_Frame part = *frame;
+    part.percepts._length = f->without_percepts ? 0 : part.percepts._length;
+    message_add(f, BUS_FRAME, f->frames, frame->time_ns, &part);
 }
 
 static void end_write(struct mcap_file *f, const muster_RunStatus *status)
@@ -250,24 +253,15 @@ static void end_write(struct mcap_file *f, const muster_RunStatus *status)
     (void)mcap_writer_metadata(f->file, "end", end, sizeof end / sizeof end[0]);
 }
 
-static void status_take(void *self, const muster_RunStatus *status, const struct bus_bytes *bytes)
+void mcap_file_end(struct mcap_file *f, const muster_RunStatus *status)
 {
-    struct mcap_file *f = self;
-    message_add(f, f->states, status->time_ns, bytes);
+    message_add(f, BUS_RUN_STATUS, f->states, status->time_ns, status);
     end_write(f, status);
-}
-
-struct record_listener mcap_file_listener(struct mcap_file *f)
-{
-    return (struct record_listener){.self = f,
-                                    .scene = scene_take,
-                                    .frame = frame_take,
-                                    .status = status_take,
-                                    .without_percepts = f->without_percepts};
 }
 
 mu_result mcap_file_close(struct mcap_file *f)
 {
+    bus_bytes_free(&f->bytes);
     uint64_t refused = mcap_writer_refused(f->file);
     if (refused > 0) {
         fprintf(stderr,

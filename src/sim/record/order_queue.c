@@ -2,10 +2,28 @@
 #include "sim/record/record.h"
 
 #include "core/text.h"
+#include "muster/memory.h"
 
 #include <string.h>
 
-void order_queue_copy(struct order *to, const muster_RunCommand *command)
+enum { QUEUE_SIZE = MU_ORDERS_MAX + MU_ORDERS_LATER_MAX };
+
+/* A place in the queue. */
+struct queued {
+    enum { QUEUED_FREE, QUEUED_WAITS, QUEUED_DUE, QUEUED_TAKEN } state;
+    bool later;       /* it has a time or a condition */
+    uint64_t arrival; /* its number, of all that came */
+    struct order order;
+    struct condition_watch watch; /* if the order has a condition */
+};
+
+struct order_queue {
+    struct condition_names names;
+    struct queued at[QUEUE_SIZE];
+    uint64_t arrivals;
+};
+
+void order_copy(struct order *to, const muster_RunCommand *command)
 {
     *to = (struct order){.command = *command};
     mu_text_copy(to->source, sizeof to->source, command->source);
@@ -19,34 +37,98 @@ void order_queue_copy(struct order *to, const muster_RunCommand *command)
     to->command.when = to->when;
 }
 
-mu_result order_queue_put(struct order_queue *o, const muster_RunCommand *command)
+struct order_queue *order_queue_open(const struct condition_names *names)
 {
-    if (o->count == MU_ORDERS_MAX) {
+    struct order_queue *q = mu_startup_alloc(sizeof *q);
+    q->names = *names;
+    return q;
+}
+
+/* @return a free place for an order of this kind, or NULL */
+static struct queued *place_find(struct order_queue *q, bool later)
+{
+    struct queued *place = NULL;
+    size_t count = 0;
+    for (size_t i = 0; i < QUEUE_SIZE; i++) {
+        bool is_free = q->at[i].state == QUEUED_FREE;
+        place = is_free && !place ? &q->at[i] : place;
+        count += !is_free && q->at[i].later == later;
+    }
+    return count < (later ? MU_ORDERS_LATER_MAX : MU_ORDERS_MAX) ? place : NULL;
+}
+
+mu_result order_queue_put(struct order_queue *q, const muster_RunCommand *command, char *why)
+{
+    struct condition_watch watch = {.was = false};
+    bool later = command->due_ns > 0 || command->when[0] != '\0';
+    if (command->when[0]) {
+        mu_result read = condition_read(&watch.condition, command->when, &q->names, why);
+        if (read != MU_OK) {
+            return read;
+        }
+    }
+    struct queued *place = place_find(q, later);
+    if (!place) {
+        (void)mu_text_copy(why, CONDITION_WHY_MAX,
+                           later ? "too many orders wait" : "too many orders in one step");
         return MU_FULL;
     }
-    order_queue_copy(&o->at[o->count++], command);
+    order_copy(&place->order, command);
+    place->watch = watch;
+    place->later = later;
+    place->arrival = q->arrivals++;
+    place->state = later ? QUEUED_WAITS : QUEUED_DUE;
     return MU_OK;
 }
 
-static bool order_is_before(const struct order *a, const struct order *b)
+void order_queue_note_act(struct order_queue *q, int robot, const muster_Act *act)
 {
-    int order = strcmp(a->source, b->source);
-    return order < 0 || (order == 0 && a->command.seq < b->command.seq);
+    for (size_t i = 0; i < QUEUE_SIZE; i++) {
+        struct queued *place = &q->at[i];
+        if (place->state == QUEUED_WAITS && place->order.when[0]) {
+            record_note_act(&place->watch, robot, act);
+        }
+    }
 }
 
-const muster_RunCommand *order_queue_take(struct order_queue *o)
+void order_queue_look(struct order_queue *q, uint64_t time_ns, const struct condition_view *view)
 {
-    struct order *next = NULL;
-    for (size_t i = 0; i < o->count; i++) {
-        struct order *order = &o->at[i];
-        if (!order->taken && (!next || order_is_before(order, next))) {
-            next = order;
+    for (size_t i = 0; i < QUEUE_SIZE; i++) {
+        struct queued *place = &q->at[i];
+        if (place->state != QUEUED_WAITS) {
+            continue;
+        }
+        bool conditional = place->order.when[0] != '\0';
+        if (conditional) {
+            (void)condition_watch_look(&place->watch, view);
+        }
+        bool due = (!conditional || place->watch.was) && time_ns >= place->order.command.due_ns;
+        place->state = due ? QUEUED_DUE : QUEUED_WAITS;
+    }
+}
+
+static bool queued_is_before(const struct queued *a, const struct queued *b)
+{
+    int order = strcmp(a->order.source, b->order.source);
+    uint64_t a_seq = a->order.command.seq, b_seq = b->order.command.seq;
+    bool earlier = a_seq != b_seq ? a_seq < b_seq : a->arrival < b->arrival;
+    return order < 0 || (order == 0 && earlier);
+}
+
+const muster_RunCommand *order_queue_take(struct order_queue *q)
+{
+    struct queued *next = NULL;
+    for (size_t i = 0; i < QUEUE_SIZE; i++) {
+        struct queued *place = &q->at[i];
+        if (place->state == QUEUED_TAKEN) {
+            place->state = QUEUED_FREE;
+        } else if (place->state == QUEUED_DUE && (!next || queued_is_before(place, next))) {
+            next = place;
         }
     }
     if (!next) {
-        o->count = 0;
         return NULL;
     }
-    next->taken = true;
-    return &next->command;
+    next->state = QUEUED_TAKEN;
+    return &next->order.command;
 }

@@ -7,12 +7,12 @@
 #define MUSTER_SIM_RECORD_H
 
 #include "bus/bus.h"
-#include "bus/raw/raw.h"
 #include "core/options.h"
 #include "muster/limits.h"
 #include "muster/result.h"
 #include "sim/engine/engine.h"
 #include "wire.h"
+#include "world/condition/condition.h"
 #include "world/model/world.h"
 
 #include <stddef.h>
@@ -94,8 +94,9 @@ void tally_take(struct tally *t, uint64_t time_ns, uint64_t step_ns,
 muster_Scene *scene_make(const struct world *world);
 
 /*
- * Changes from outside that wait for the end of a step: in the order of source and sequence, so
- * that the order in which they arrive within a step does not show.
+ * Changes from outside: those of a step wait for its end, the others for a time or a condition.
+ * They are carried out in the order of source and sequence, so that the order in which they arrive
+ * within a step does not show.
  */
 
 enum { ORDER_FILE_MAX = 1023 };
@@ -105,23 +106,71 @@ struct order {
     muster_RunCommand command; /* its strings are those below; simulator is not set */
     char source[MU_PROCESS_MAX + 1], name[MU_FIELD_MAX + 1], file[ORDER_FILE_MAX + 1];
     char when[MU_CONDITION_MAX + 1];
-    bool taken;
-};
-
-struct order_queue {
-    struct order at[MU_ORDERS_MAX];
-    size_t count;
 };
 
 /** Copies a command with its strings; to must stay where it is. */
-void order_queue_copy(struct order *to, const muster_RunCommand *command);
+void order_copy(struct order *to, const muster_RunCommand *command);
 
-/** Keeps a copy of a command that the border has let through.  @return MU_OK, or MU_FULL */
-MU_MUST_USE mu_result order_queue_put(struct order_queue *o, const muster_RunCommand *command);
+struct order_queue; /* one in a process */
 
-/** @return the next of those that wait, good until the next call; NULL: there is none, and there is
- *          room again */
-const muster_RunCommand *order_queue_take(struct order_queue *o);
+/** Takes memory at start-up. */
+struct order_queue *order_queue_open(const struct condition_names *names);
+
+/**
+ * Keeps a copy of a command that the border has let through.
+ *
+ * @param why  CONDITION_WHY_MAX bytes: filled when it is not kept
+ * @return MU_OK; MU_MALFORMED: its condition is none; MU_FULL: MU_ORDERS_MAX are due, or
+ *         MU_ORDERS_LATER_MAX wait
+ */
+MU_MUST_USE mu_result order_queue_put(struct order_queue *q, const muster_RunCommand *command,
+                                      char *why);
+
+/** Notes what an agent with a body did in this step, for conditions. */
+void order_queue_note_act(struct order_queue *q, int robot, const muster_Act *act);
+
+/** Looks at the end of a step, before anything is done to the world, which orders are due. */
+void order_queue_look(struct order_queue *q, uint64_t time_ns, const struct condition_view *view);
+
+/** @return the next order that is due, good until the next call; NULL: none is */
+const muster_RunCommand *order_queue_take(struct order_queue *q);
+
+/*
+ * Conditions of a run, and the CSV file of the times at which they come true: a state when it
+ * begins, and a mail or a rule in every step that has one.
+ */
+
+struct events; /* one in a process */
+
+/** @return the number of a body: the robots, then the objects; -1: the world has none of that name
+ */
+int record_find_body(const struct world *world, const char *name);
+
+/** @return what conditions may name in a world, which must live as long */
+struct condition_names record_names(const struct world *world);
+
+/** Notes for a condition what an agent with a body did in this step. */
+void record_note_act(struct condition_watch *w, int robot, const muster_Act *act);
+
+/**
+ * Creates the file; takes memory at start-up.
+ *
+ * @param texts  conditions; they stay with the caller
+ * @return MU_OK; MU_FAULT_USAGE: a text is no condition; MU_FAULT_OS: the file cannot be made; both
+ *         said on standard error
+ */
+MU_MUST_USE mu_result events_open(struct events **out, const char *path,
+                                  const struct mu_option_list *texts,
+                                  const struct condition_names *names);
+
+/** Notes what an agent with a body did in this step. */
+void events_note_act(struct events *e, int robot, const muster_Act *act);
+
+/** Looks at all conditions at the end of a step, before anything is done to the world. */
+void events_look(struct events *e, uint64_t time_ns, const struct condition_view *view);
+
+/** @return MU_OK, or MU_FAULT_OS when the file is not whole, said on standard error */
+MU_MUST_USE mu_result events_close(struct events *e);
 
 /*
  * Puts a Frame together: all of one step, as observers see it.
@@ -190,18 +239,6 @@ void tracks_add(struct tracks *r, uint64_t time_ns, const char *robot,
 MU_MUST_USE mu_result tracks_close(struct tracks *r);
 
 /*
- * Who wants every Frame inside this process, and how the run ended, such as a recording: the
- * sample, and its bytes as they would stand on the wire.  Both are good until the function returns.
- */
-struct record_listener {
-    void *self;
-    void (*scene)(void *self, const muster_Scene *scene, const struct bus_bytes *bytes);
-    void (*frame)(void *self, const muster_Frame *frame, const struct bus_bytes *bytes);
-    void (*status)(void *self, const muster_RunStatus *status, const struct bus_bytes *bytes);
-    bool without_percepts; /* its bytes of Frames leave them out */
-};
-
-/*
  * Writes run.mcap: what was needed for the run, the Scene, the Frame of each step, how it ended.
  *
  * docs/recording.md says what is in it.  Messages are sorted by simulated time.  A step copies its
@@ -233,8 +270,14 @@ struct mcap_file_options {
 MU_MUST_USE mu_result mcap_file_open(struct mcap_file **out,
                                      const struct mcap_file_options *options);
 
-/** @return the functions that take what happens, for session_listen */
-struct record_listener mcap_file_listener(struct mcap_file *f);
+/** Adds the Scene, before the first Frame. */
+void mcap_file_scene(struct mcap_file *f, const muster_Scene *scene);
+
+/** Adds a step. */
+void mcap_file_frame(struct mcap_file *f, const muster_Frame *frame);
+
+/** Says how the run has ended. */
+void mcap_file_end(struct mcap_file *f, const muster_RunStatus *status);
 
 /** @return MU_OK, or MU_FAULT_OS when the file is not whole, said on standard error */
 MU_MUST_USE mu_result mcap_file_close(struct mcap_file *f);

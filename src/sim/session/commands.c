@@ -6,28 +6,11 @@
 #include "core/log.h"
 #include "core/text.h"
 
-#include <string.h>
-
 struct outcome commands_outcome(muster_RunOutcome result, const char *reason)
 {
     struct outcome o = {.result = result};
     mu_text_copy(o.reason, sizeof o.reason, reason);
     return o;
-}
-
-long commands_find_body(const struct session *s, const char *name)
-{
-    for (size_t i = 0; i < s->robot_count; i++) {
-        if (strcmp(s->agents.at[i].name, name) == 0) {
-            return (long)i;
-        }
-    }
-    for (size_t i = 0; i < s->world->object_count; i++) {
-        if (strcmp(s->world->objects[i].name, name) == 0) {
-            return (long)(s->robot_count + i);
-        }
-    }
-    return -1;
 }
 
 /* In the log. */
@@ -72,57 +55,20 @@ static struct outcome pace_change(struct session *s, const muster_RunCommand *c)
     return commands_outcome(muster_ORDER_DONE, "");
 }
 
-void commands_refuse(struct session *s, const muster_RunCommand *c, const char *why)
-{
-    struct outcome o = commands_outcome(muster_ORDER_REFUSED, why);
-    commands_answer(s, c, &o);
-}
-
-/* What waits for a time or a condition.  @return whether it is that */
-static bool later_take(struct session *s, const muster_RunCommand *c)
-{
-    char why[CONDITION_WHY_MAX] = "too many orders wait";
-    if (c->due_ns == 0 && c->when[0] == '\0') {
-        return false;
-    }
-    if (c->order == muster_RUN_PACE) {
-        commands_refuse(s, c, "the pace goes by the clock on the wall, at once");
-    } else if (script_put(s->script, c, why) != MU_OK) {
-        commands_refuse(s, c, why);
-    }
-    return true;
-}
-
 void commands_take(struct session *s, const muster_RunCommand *c)
 {
-    struct outcome o = {.result = muster_ORDER_DONE};
-    if (later_take(s, c)) {
-        return; /* it is answered when its time has come */
-    }
-    if (c->order == muster_RUN_PACE) {
-        o = pace_change(s, c);
-    } else if (order_queue_put(s->orders, c) == MU_OK) {
-        return; /* it is answered at the end of the step */
+    char why[CONDITION_WHY_MAX];
+    struct outcome o;
+    if (c->order != muster_RUN_PACE) {
+        if (order_queue_put(s->orders, c, why) == MU_OK) {
+            return; /* it is answered when it is carried out */
+        }
+        o = commands_outcome(muster_ORDER_REFUSED, why);
+    } else if (c->due_ns > 0 || c->when[0] != '\0') {
+        o = commands_outcome(muster_ORDER_REFUSED,
+                             "the pace goes by the clock on the wall, at once");
     } else {
-        o = commands_outcome(muster_ORDER_REFUSED, "too many orders in one step");
+        o = pace_change(s, c);
     }
     commands_answer(s, c, &o);
-}
-
-static int body_find(const void *self, const char *name)
-{
-    const struct session *s = self;
-    return (int)commands_find_body(s, name);
-}
-
-void commands_open(struct session *s)
-{
-    s->body_names =
-        (struct condition_names){.find = body_find, .self = s, .robots = (int)s->robot_count};
-    s->script = script_open(&s->body_names);
-}
-
-void commands_note_act(struct session *s, size_t robot, const muster_Act *act)
-{
-    script_act(s->script, (int)robot, act);
 }

@@ -37,7 +37,7 @@ static void sensor_undo(struct session *s, const muster_RunCommand *c)
     back.due_ns = (uint64_t)s->step * s->options.step_ns + (uint64_t)(c->time_s * 1e9);
     back.time_s = 0;
     back.when = none;
-    if (script_put(s->script, &back, why) != MU_OK) {
+    if (order_queue_put(s->orders, &back, why) != MU_OK) {
         mu_log(MU_LOG_WARNING, "undo-lost", "name=%s", c->name);
     }
 }
@@ -133,7 +133,7 @@ static const struct {
 static struct outcome order_run(struct session *s, const muster_RunCommand *c)
 {
     struct outcome o;
-    long body = commands_find_body(s, c->name);
+    long body = record_find_body(s->world, c->name);
     bool is_meant =
         order_table[c->order].needs_body || (c->order == muster_RUN_RESET && c->name[0] != '\0');
     return is_meant && body < 0 ? *no_name(&o, "robot or object")
@@ -150,7 +150,7 @@ static void body_numbers(const void *self, int body, struct condition_numbers *o
         .x_m = pose.x_m, .y_m = pose.y_m, .heading_rad = pose.heading_rad};
     if ((size_t)body < s->robot_count) {
         const struct session_robot *r = &s->robots[body];
-        const struct tally *t = &s->tallies[body];
+        const struct tally *t = &s->observe.tallies[body];
         out->distance_m = t->distance_m;
         out->stalls = t->stalls;
         out->stalled_s = t->stalled_s;
@@ -172,8 +172,10 @@ static bool robot_counts(const void *self, int robot)
     return s->agents.at[robot].controlled;
 }
 
-static void script_orders_look(struct session *s)
+/* Looks what has come true in this step. */
+static void conditions_look(struct session *s)
 {
+    uint64_t time_ns = (uint64_t)s->step * s->options.step_ns;
     const struct condition_view view = {.time_s =
                                             (double)s->step * (double)s->options.step_ns * 1e-9,
                                         .self = s,
@@ -181,13 +183,10 @@ static void script_orders_look(struct session *s)
                                         .stalled = robot_stalled,
                                         .counts = robot_counts,
                                         .robots = (int)s->robot_count};
-    const muster_RunCommand *c;
-    script_look(s->script, (uint64_t)s->step * s->options.step_ns, &view);
-    while ((c = script_next(s->script))) {
-        if (order_queue_put(s->orders, c) != MU_OK) {
-            commands_refuse(s, c, "too many orders in one step");
-        }
+    if (s->options.events) {
+        events_look(s->options.events, time_ns, &view);
     }
+    order_queue_look(s->orders, time_ns, &view);
 }
 
 /* Whoever asked for it says RUN_GO when he is done. */
@@ -196,7 +195,7 @@ static void order_hold_run(struct session *s)
     uint64_t until_ns = mu_clock_ns() + HOLD_PATIENCE_NS;
     (void)phase_on(s, PHASE_PAUSES);
     while (phase_is_paused(s) && mu_clock_ns() < until_ns) {
-        bus_wait(&s->bus, 1, HOLD_WAIT_NS);
+        bus_wait(s->bus, 1, HOLD_WAIT_NS);
         inbox_take(s);
         (void)status_tell(s, false);
     }
@@ -208,7 +207,7 @@ static void order_hold_run(struct session *s)
 void edits_apply(struct session *s)
 {
     const muster_RunCommand *c;
-    script_orders_look(s);
+    conditions_look(s);
     while ((c = order_queue_take(s->orders))) {
         struct outcome o = order_run(s, c);
         if (o.result == muster_ORDER_DONE && order_table[c->order].changes) {

@@ -15,6 +15,15 @@ static int32_t order_of(int32_t order)
     return order >= -1 && order <= 1 ? order : 0;
 }
 
+/* Conditions may be about it. */
+static void act_note(struct session *s, int robot, const muster_Act *act)
+{
+    order_queue_note_act(s->orders, robot, act);
+    if (s->options.events) {
+        events_note_act(s->options.events, robot, act);
+    }
+}
+
 static void robot_act(struct session *s, struct session_robot *r, const muster_Act *act)
 {
     bool is_speed = isfinite(act->forward_m_s) && isfinite(act->turn_rad_s);
@@ -33,7 +42,7 @@ static void robot_act(struct session *s, struct session_robot *r, const muster_A
     mu_text_copy(r->goal, sizeof r->goal, act->goal);
     r->firings += act->firings;
     r->mails_sent += act->mails._length;
-    commands_note_act(s, (size_t)(r - s->robots), act);
+    act_note(s, (int)(r - s->robots), act);
 }
 
 static void act_take(struct session *s, const muster_Act *act, int32_t process)
@@ -56,7 +65,7 @@ static void up_show(struct session *s, const muster_Up *up, int32_t process)
     for (uint32_t i = 0; i < up->acts._length; i++) {
         const struct session_agent *agent = agents_find(&s->agents, up->acts._buffer[i].agent);
         if (agent && agent->body >= 0 && agent->process == process && process >= 0) {
-            commands_note_act(s, (size_t)agent->body, &up->acts._buffer[i]);
+            act_note(s, agent->body, &up->acts._buffer[i]);
             observe_act(s, (size_t)agent->body, &up->acts._buffer[i]);
         }
     }

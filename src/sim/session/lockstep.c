@@ -79,7 +79,7 @@ static mu_result answers_wait(struct session *s)
         if (waited_ns > LOSS_NS && s->answers_missing > 0) {
             roster_leave_out(s);
         }
-        bus_wait(&s->bus, samples_missing(s), percepts_retry(s) ? WAIT_NS : RETRY_NS);
+        bus_wait(s->bus, samples_missing(s), percepts_retry(s) ? WAIT_NS : RETRY_NS);
         (void)status_tell(s, false);
     }
 }
@@ -107,7 +107,7 @@ static void pace(struct session *s)
     for (uint64_t now_ns = mu_clock_ns(); now_ns < due_ns(s) && !phase_ends(s);
          now_ns = mu_clock_ns()) {
         int64_t wait_ns = (int64_t)(due_ns(s) - now_ns);
-        bus_wait(&s->bus, 1, wait_ns < WAIT_NS ? wait_ns : WAIT_NS);
+        bus_wait(s->bus, 1, wait_ns < WAIT_NS ? wait_ns : WAIT_NS);
         inbox_take(s);
         (void)status_tell(s, false);
     }

@@ -9,15 +9,8 @@
 #ifndef MUSTER_SIM_SESSION_PARTS_H
 #define MUSTER_SIM_SESSION_PARTS_H
 
-#include "bus/bus.h"
-#include "bus/raw/raw.h"
 #include "core/table.h"
-#include "sim/engine/engine.h"
-#include "sim/record/record.h"
-#include "sim/session/script.h"
-#include "wire.h"
-
-#include <signal.h>
+#include "sim/session/session.h"
 
 /* The dead-man, in control steps and, in free running, by the wall. */
 enum { SESSION_QUIET_STEPS = 10 };
@@ -116,27 +109,6 @@ struct session_process {
     bool sample_pending; /* the network has refused it: try again */
 };
 
-/* For whom a Frame is made: bits. */
-enum { SESSION_FOR_EVERY = 1, SESSION_FOR_LATEST = 2, SESSION_FOR_LISTENER = 4 };
-
-struct session_options {
-    uint64_t seed;
-    uint64_t step_ns;
-    uint64_t duration_ns;             /* 0: no end */
-    double rate;                      /* times real time; 0: as fast as it goes */
-    bool free;                        /* no lock step */
-    const char *broker;               /* of the robots of a lock step; NULL: the first robot's */
-    bool waits_for_go;                /* the first step waits for a RunCommand, */
-    uint32_t watchers;                /* and for so many processes that watch, */
-    uint32_t hosts;                   /* and for so many that take in robots */
-    const struct mu_network *network; /* how long to wait for the broker */
-    int saves;                        /* the open folder that states are saved in */
-    uint64_t silence_ns;              /* wall time after which a silent controller is a fault */
-    const volatile sig_atomic_t *signal_came; /* not 0: the run is to end */
-    uint64_t return_ns; /* wall time that a lock step waits for one that died to be started again;
-                           0: that is a fault at once */
-};
-
 /* What the run is doing. */
 enum phase {
     PHASE_REFUSES,   /* no phase: the event is refused */
@@ -171,16 +143,38 @@ enum phase_event {
     PHASE_EVENTS
 };
 
+/* status.c's own */
+struct session_status {
+    struct bus_writer writer;
+    muster_RobotTotals *totals;
+    muster_ObjectPlace *places; /* of the objects */
+    uint64_t told_wall_ns;
+};
+
+/* For whom a Frame is made: bits. */
+enum { SESSION_FOR_EVERY = 1, SESSION_FOR_LATEST = 2, SESSION_FOR_RECORDING = 4 };
+
+/* observe.c's own, but for the tallies: docs/observing.md */
+struct session_observe {
+    struct bus_writer scenes, every, latest;
+    bool end_recorded;
+    muster_Scene *scene;
+    struct frame_builder *frame;
+    unsigned wanted;         /* this step's Frame: SESSION_FOR_...; 0: nobody wants it */
+    uint64_t latest_wall_ns; /* when the last Frame went into "latest" */
+    uint64_t lost;           /* Frames that the network did not take */
+    struct tally *tallies;   /* of each robot */
+};
+
 struct session {
     struct session_options options;
     const struct world *world;
     struct engine *engine;
-    struct tracks *tracks; /* NULL: no record */
     struct run_hash *hash;
-    struct bus bus;
+    struct bus *bus;
+    struct order_queue *orders;    /* those of this step, and of later ones */
     char name[MU_PROCESS_MAX + 1]; /* also its partition */
-    struct bus_writer roster, status, answers;
-    struct bus_writer scenes, every, latest; /* for who looks: docs/observing.md */
+    struct bus_writer roster, answers;
     struct bus_reader registrations, ups, deliveries, commands;
     struct session_agents agents;
     struct session_robot *robots;
@@ -191,8 +185,6 @@ struct session {
     uint32_t process_count;
     muster_Percept *percepts; /* one for each robot, in order of process */
     muster_Percept *bodies; /* what those see who watch: every robot's pose, in the world's order */
-    muster_RobotTotals *totals;
-    muster_ObjectPlace *places; /* of the objects */
     enum phase phase;
     uint32_t refused; /* events that the phase does not allow */
     int64_t step;
@@ -201,53 +193,20 @@ struct session {
      */
     unsigned char outside[2][RUN_HASH_BYTES];
     uint32_t answers_missing;
-    int64_t sent_step;          /* the last step that went out */
-    int64_t recorded;           /* the first step that the hash and the tracks do not have yet */
-    unsigned char *snapshot;    /* room for one */
-    struct order_queue *orders; /* that wait for the end of this step */
-    struct script *script;      /* those that wait for later, and events */
-    struct condition_names body_names;
-    int64_t pace_step; /* since when, and since which step, it goes at this rate */
+    int64_t sent_step;       /* the last step that went out */
+    int64_t recorded;        /* the first step that the hash and the tracks do not have yet */
+    unsigned char *snapshot; /* room for one */
+    int64_t pace_step;       /* since when, and since which step, it goes at this rate */
     uint64_t pace_wall_ns;
-    uint64_t first_step_wall_ns, last_step_wall_ns, status_wall_ns;
+    uint64_t first_step_wall_ns, last_step_wall_ns;
     uint64_t skipped;
     bool roster_due;         /* the network has refused it */
     uint32_t roster_readers; /* that it had found when it was told, in free running */
-    struct record_listener listener;
-    muster_Scene *scene;
-    struct frame_builder *view;
-    struct tally *tallies;       /* of each robot */
-    struct bus_bytes view_bytes; /* of what the listener was told last */
-    bool end_told;               /* to the listener */
-    unsigned view_for;           /* this step's Frame: SESSION_FOR_...; 0: nobody wants it */
-    uint64_t latest_wall_ns;     /* when the last Frame went into "latest" */
-    uint64_t frames_lost;        /* that the network did not take */
+    struct session_status status;
+    struct session_observe observe;
     char waits_for[1024];
     char hash_text[RUN_HASH_TEXT];
 };
-
-/* --- session.c: how a run begins and ends ----------------------------------------------------- */
-
-/** Opens the topics.  The bus is open already. */
-MU_MUST_USE mu_result session_open(struct session *s, const struct session_options *options,
-                                   const struct world *world, struct engine *engine,
-                                   struct tracks *tracks);
-
-/**
- * Waits until every robot has a controller that is ready and, if asked, for the word to go.
- *
- * @return MU_OK; MU_TIMEOUT: no broker answers; MU_DONE: ended before it began
- */
-MU_MUST_USE mu_result session_gather(struct session *s);
-
-/**
- * Runs to the end, and says how it ended.  Who has started the run is waited for until that has
- * come; a signal behind the end says that it has.
- *
- * @return MU_OK; MU_DONE: a signal has ended it before its time; MU_TIMEOUT: a controller or the
- *         broker was silent for too long, and waits_for says which
- */
-MU_MUST_USE mu_result session_run(struct session *s);
 
 /* --- roster.c: who belongs to the run --------------------------------------------------------- */
 
@@ -387,18 +346,6 @@ bool percepts_retry(struct session *s);
 /** Takes an order from outside: one that changes the world waits for edits_apply. */
 void commands_take(struct session *s, const muster_RunCommand *c);
 
-/** Answers that an order is not carried out. */
-void commands_refuse(struct session *s, const muster_RunCommand *c, const char *why);
-
-/** @return the number of a body: the robots, then the objects; -1: there is none of that name */
-long commands_find_body(const struct session *s, const char *name);
-
-/** Takes memory. */
-void commands_open(struct session *s);
-
-/** Notes what an agent did. */
-void commands_note_act(struct session *s, size_t robot, const muster_Act *act);
-
 enum { REASON_MAX = 255 };
 
 /* What became of an order. */
@@ -419,9 +366,6 @@ void edits_apply(struct session *s);
 
 /* --- observe.c: what observers see; each is called at its place in a step --------------------- */
 
-/** Has somebody told of the Scene and of every Frame, from session_gather on. */
-void session_listen(struct session *s, const struct record_listener *listener);
-
 /** Opens topics and takes memory. */
 MU_MUST_USE mu_result observe_open(struct session *s);
 
@@ -436,7 +380,7 @@ void observe_act(struct session *s, size_t robot, const muster_Act *act);
 void observe_outside(struct session *s, const muster_Delivery *d);
 void observe_order(struct session *s, const muster_RunCommand *order);
 
-/** Tells the listener how the run has ended, once. */
+/** Has the recording say how the run has ended, once. */
 void observe_status(struct session *s, const muster_RunStatus *status);
 
 /** Ends the Frame, before the world moves on, and tells who wants it. */
@@ -446,6 +390,9 @@ void observe_finish(struct session *s);
 void observe_close(struct session *s);
 
 /* --- status.c --------------------------------------------------------------------------------- */
+
+/** Takes memory. */
+void status_open(struct session *s);
 
 /** Says how the run goes; at most every 50 ms unless always.  @return false: the network is busy */
 bool status_tell(struct session *s, bool always);

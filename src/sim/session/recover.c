@@ -140,14 +140,14 @@ static mu_result others_await(struct session *s)
             return nobody_report(s);
         }
         (void)status_tell(s, false);
-        bus_wait(&s->bus, 1, RETURN_WAIT_NS);
+        bus_wait(s->bus, 1, RETURN_WAIT_NS);
     }
 }
 
 static void roster_tell_surely(struct session *s)
 {
     while (roster_tell(s, true) != MU_OK && !phase_ends(s)) {
-        bus_wait(&s->bus, 1, RETURN_WAIT_NS);
+        bus_wait(s->bus, 1, RETURN_WAIT_NS);
     }
 }
 

@@ -22,7 +22,7 @@ static int32_t process_add(struct session *s, const char *name)
     struct session_process *p = &s->processes[s->process_count];
     *p = (struct session_process){.state = MEMBER_JOINING, .answered = -1};
     mu_text_copy(p->name, sizeof p->name, name);
-    if (bus_writer_open(&s->bus, BUS_SENSE, name, NULL, &p->sense) != MU_OK) {
+    if (bus_writer_open(s->bus, BUS_SENSE, name, NULL, &p->sense) != MU_OK) {
         return -1;
     }
     (void)mu_table_put(&s->process_names, p->name, s->process_count);

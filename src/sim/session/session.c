@@ -8,6 +8,7 @@
 #include "muster/memory.h"
 
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 static const int64_t IMPATIENT_NS = 2000000;
@@ -18,43 +19,66 @@ static const uint64_t STARTER_PATIENCE_NS = 10000000000;
 
 static mu_result topics_open(struct session *s)
 {
-    MU_TRY(bus_writer_open(&s->bus, BUS_ROSTER, NULL, NULL, &s->roster));
-    MU_TRY(bus_writer_open(&s->bus, BUS_RUN_STATUS, NULL, NULL, &s->status));
-    MU_TRY(bus_writer_open(&s->bus, BUS_RUN_ANSWER, NULL, NULL, &s->answers));
-    MU_TRY(bus_reader_open(&s->bus, BUS_REGISTRATION, NULL, &s->registrations));
-    MU_TRY(bus_reader_open(&s->bus, BUS_UP, "simulator", &s->ups));
-    MU_TRY(bus_reader_open(&s->bus, BUS_DELIVERY, s->name, &s->deliveries));
-    MU_TRY(bus_reader_open(&s->bus, BUS_RUN_COMMAND, NULL, &s->commands));
+    MU_TRY(bus_writer_open(s->bus, BUS_ROSTER, NULL, NULL, &s->roster));
+    MU_TRY(bus_writer_open(s->bus, BUS_RUN_STATUS, NULL, NULL, &s->status.writer));
+    MU_TRY(bus_writer_open(s->bus, BUS_RUN_ANSWER, NULL, NULL, &s->answers));
+    MU_TRY(bus_reader_open(s->bus, BUS_REGISTRATION, NULL, &s->registrations));
+    MU_TRY(bus_reader_open(s->bus, BUS_UP, "simulator", &s->ups));
+    MU_TRY(bus_reader_open(s->bus, BUS_DELIVERY, s->name, &s->deliveries));
+    MU_TRY(bus_reader_open(s->bus, BUS_RUN_COMMAND, NULL, &s->commands));
     return MU_OK;
 }
 
-mu_result session_open(struct session *s, const struct session_options *options,
-                       const struct world *world, struct engine *engine, struct tracks *tracks)
+/* Robots that are not chosen stand in the way and do nothing. */
+static void robots_choose(struct session_agents *agents, const struct mu_option_list *names)
 {
+    for (uint32_t r = 0; names->count > 0 && r < agents->robots; r++) {
+        struct session_agent *robot = &agents->at[r];
+        robot->controlled = false;
+        for (size_t i = 0; i < names->count; i++) {
+            robot->controlled |= strcmp(names->items[i], robot->name) == 0;
+        }
+    }
+}
+
+mu_result session_open(struct session **out, const struct session_options *options)
+{
+    struct session *s = mu_startup_alloc(sizeof *s);
     s->options = *options;
-    s->world = world;
-    s->engine = engine;
-    s->tracks = tracks;
+    s->world = options->world;
+    s->engine = options->engine;
+    s->bus = options->bus;
     s->hash = run_hash_open();
     s->phase = PHASE_GATHERING;
     s->step = s->sent_step = -1;
     s->mail_step = muster_STEP_NOW;
     snprintf(s->name, sizeof s->name, "simulator.%ld", (long)getpid());
-    s->robot_count = world->robot_count;
+    s->robot_count = s->world->robot_count;
     s->robots = mu_startup_array(s->robot_count, sizeof *s->robots);
+    agents_open(&s->agents, s->world);
+    robots_choose(&s->agents, options->robots);
+    const struct condition_names names = record_names(s->world);
+    s->orders = order_queue_open(&names);
+    s->snapshot = mu_startup_alloc(engine_save_size(s->engine));
     mu_table_init(&s->process_names, MU_PROCESSES_MAX);
-    agents_open(&s->agents, world);
-    s->snapshot = mu_startup_alloc(engine_save_size(engine));
-    s->orders = mu_startup_alloc(sizeof *s->orders);
-    commands_open(s);
-    s->wanted = mu_startup_array(s->robot_count, sizeof *s->wanted);
     s->processes = mu_startup_array(MU_PROCESSES_MAX, sizeof *s->processes);
+    s->wanted = mu_startup_array(s->robot_count, sizeof *s->wanted);
     s->percepts = mu_startup_array(s->robot_count, sizeof *s->percepts);
     s->bodies = mu_startup_array(s->robot_count, sizeof *s->bodies);
-    s->totals = mu_startup_array(s->robot_count, sizeof *s->totals);
-    s->places = mu_startup_array(world->object_count, sizeof *s->places);
+    status_open(s);
     MU_TRY(observe_open(s));
+    *out = s;
     return topics_open(s);
+}
+
+const char *session_waits_for(const struct session *s)
+{
+    return s->waits_for;
+}
+
+const char *session_hash(const struct session *s)
+{
+    return s->hash_text;
 }
 
 mu_result session_gather(struct session *s)
@@ -76,7 +100,7 @@ mu_result session_gather(struct session *s)
         if (s->phase == PHASE_READY && !s->options.waits_for_go) {
             (void)phase_on(s, PHASE_GO);
         }
-        bus_wait(&s->bus, 1, IMPATIENT_NS);
+        bus_wait(s->bus, 1, IMPATIENT_NS);
     }
     roster_prune(s);
     for (uint32_t i = 0; i < s->process_count; i++) {
@@ -99,7 +123,7 @@ static void last_words(struct session *s)
     for (int i = 0; i < 1000 && !(told && released); i++) {
         told = told || status_tell(s, true);
         released = released || roster_tell(s, false) == MU_OK;
-        bus_wait(&s->bus, 1, told && released ? 0 : RETRY_NS);
+        bus_wait(s->bus, 1, told && released ? 0 : RETRY_NS);
     }
     (void)bus_drain(&s->roster, 200000000);
 }
@@ -108,11 +132,11 @@ static void last_words(struct session *s)
  * little time on a busy machine: it is waited for. */
 static void status_drain(struct session *s)
 {
-    bool heard = bus_drain(&s->status, STATUS_DRAIN_NS);
+    bool heard = bus_drain(&s->status.writer, STATUS_DRAIN_NS);
     uint64_t until_ns = mu_clock_ns() + STARTER_PATIENCE_NS;
     while (!heard && s->options.waits_for_go && !*s->options.signal_came &&
            mu_clock_ns() < until_ns) {
-        heard = bus_drain(&s->status, STATUS_ROUND_NS);
+        heard = bus_drain(&s->status.writer, STATUS_ROUND_NS);
     }
 }
 

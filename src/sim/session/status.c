@@ -3,8 +3,15 @@
 #include "sim/session/parts.h"
 
 #include "core/clock.h"
+#include "muster/memory.h"
 
 static const uint64_t STATUS_PERIOD_NS = 50000000;
+
+void status_open(struct session *s)
+{
+    s->status.totals = mu_startup_array(s->robot_count, sizeof *s->status.totals);
+    s->status.places = mu_startup_array(s->world->object_count, sizeof *s->status.places);
+}
 
 /* @return how many robots have a controller */
 static uint32_t totals_fill(struct session *s)
@@ -15,11 +22,11 @@ static uint32_t totals_fill(struct session *s)
         if (!s->agents.at[i].controlled) {
             continue;
         }
-        s->totals[totals++] = (muster_RobotTotals){.robot = s->world->robots[i].name,
-                                                   .firings = r->firings,
-                                                   .mails_sent = r->mails_sent,
-                                                   .mails_received = r->mails_received,
-                                                   .mails_duplicated = r->mails_duplicated};
+        s->status.totals[totals++] = (muster_RobotTotals){.robot = s->world->robots[i].name,
+                                                          .firings = r->firings,
+                                                          .mails_sent = r->mails_sent,
+                                                          .mails_received = r->mails_received,
+                                                          .mails_duplicated = r->mails_duplicated};
     }
     return totals;
 }
@@ -28,10 +35,10 @@ static uint32_t places_fill(struct session *s)
 {
     for (size_t i = 0; i < s->world->object_count; i++) {
         struct world_pose pose = engine_pose(s->engine, s->robot_count + i);
-        s->places[i] = (muster_ObjectPlace){.name = s->world->objects[i].name,
-                                            .x_m = pose.x_m,
-                                            .y_m = pose.y_m,
-                                            .heading_rad = pose.heading_rad};
+        s->status.places[i] = (muster_ObjectPlace){.name = s->world->objects[i].name,
+                                                   .x_m = pose.x_m,
+                                                   .y_m = pose.y_m,
+                                                   .heading_rad = pose.heading_rad};
     }
     return (uint32_t)s->world->object_count;
 }
@@ -39,10 +46,10 @@ static uint32_t places_fill(struct session *s)
 bool status_tell(struct session *s, bool always)
 {
     uint64_t now_ns = mu_clock_ns();
-    if (!always && now_ns - s->status_wall_ns < STATUS_PERIOD_NS) {
+    if (!always && now_ns - s->status.told_wall_ns < STATUS_PERIOD_NS) {
         return true;
     }
-    s->status_wall_ns = now_ns;
+    s->status.told_wall_ns = now_ns;
     muster_RunState state = phase_word(s);
     bool done = state == muster_RUN_DONE;
     static char none[] = "none";
@@ -56,10 +63,10 @@ bool status_tell(struct session *s, bool always)
                                .skipped = s->skipped,
                                .hash = done && !s->options.free ? s->hash_text : none,
                                .waits_for = s->waits_for};
-    status.robots._buffer = s->totals;
+    status.robots._buffer = s->status.totals;
     status.robots._length = status.robots._maximum = done ? totals_fill(s) : 0;
-    status.objects._buffer = s->places;
+    status.objects._buffer = s->status.places;
     status.objects._length = status.objects._maximum = done ? places_fill(s) : 0;
     observe_status(s, &status);
-    return bus_write(&s->status, &status) == MU_OK;
+    return bus_write(&s->status.writer, &status) == MU_OK;
 }

@@ -27,9 +27,9 @@ void step_record(struct session *s)
     run_hash_fold_number(s->hash, (uint64_t)s->step);
     for (size_t r = 0; r < s->robot_count; r++) {
         body_hash(s, r);
-        if (s->tracks && s->agents.at[r].controlled) {
-            tracks_add(s->tracks, (uint64_t)s->step * s->options.step_ns, s->agents.at[r].name,
-                       &s->robots[r].sensed);
+        if (s->options.tracks && s->agents.at[r].controlled) {
+            tracks_add(s->options.tracks, (uint64_t)s->step * s->options.step_ns,
+                       s->agents.at[r].name, &s->robots[r].sensed);
         }
     }
     for (size_t b = s->robot_count; b < engine_body_count(s->engine); b++) {
