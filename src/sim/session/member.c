@@ -7,37 +7,33 @@
 
 #include <string.h>
 
-/* Events of peers come first; the others are the session's own. */
-static const enum member_state next_state[MEMBER_STATES][MEMBER_EVENTS] = {
-    [MEMBER_JOINING] = {[MEMBER_HEARTBEAT] = MEMBER_JOINING,
-                        [MEMBER_LOSS] = MEMBER_JOINING,
-                        [MEMBER_ANSWER] = MEMBER_JOINING,
-                        [MEMBER_JOINS] = MEMBER_ACTIVE},
-    [MEMBER_ACTIVE] = {[MEMBER_HEARTBEAT] = MEMBER_ACTIVE,
-                       [MEMBER_LOSS] = MEMBER_LOST,
-                       [MEMBER_CLAIM] = MEMBER_CONTESTED,
-                       [MEMBER_ANSWER] = MEMBER_ACTIVE},
-    [MEMBER_CONTESTED] = {[MEMBER_HEARTBEAT] = MEMBER_CONTESTED,
-                          [MEMBER_LOSS] = MEMBER_SUPERSEDED,
-                          [MEMBER_CLAIM] = MEMBER_CONTESTED,
-                          [MEMBER_ANSWER] = MEMBER_ACTIVE,
-                          [MEMBER_CLAIM_ENDS] = MEMBER_ACTIVE},
-    [MEMBER_LOST] = {[MEMBER_HEARTBEAT] = MEMBER_ACTIVE,
-                     [MEMBER_LOSS] = MEMBER_LOST,
-                     [MEMBER_CLAIM] = MEMBER_SUPERSEDED,
-                     [MEMBER_ANSWER] = MEMBER_LOST,
-                     [MEMBER_LEAVES_OUT] = MEMBER_LEFT_OUT},
-    [MEMBER_SUPERSEDED] = {[MEMBER_LOSS] = MEMBER_SUPERSEDED,
-                           [MEMBER_CLAIM] = MEMBER_SUPERSEDED,
-                           [MEMBER_ANSWER] = MEMBER_SUPERSEDED,
-                           [MEMBER_RELEASES] = MEMBER_RELEASED},
-    [MEMBER_RELEASED] = {[MEMBER_LOSS] = MEMBER_RELEASED},
-    [MEMBER_LEFT_OUT] = {[MEMBER_LOSS] = MEMBER_LEFT_OUT, [MEMBER_CLAIM] = MEMBER_SUPERSEDED},
+/* The letters of the table; 0 is a refusal. */
+enum {
+    J = MEMBER_JOINING,
+    A = MEMBER_ACTIVE,
+    C = MEMBER_CONTESTED,
+    L = MEMBER_LOST,
+    S = MEMBER_SUPERSEDED,
+    R = MEMBER_RELEASED,
+    O = MEMBER_LEFT_OUT
 };
+
+/* clang-format off */
+static const unsigned char next_state[MEMBER_STATES][MEMBER_EVENTS] = {
+    /*                     heartbeat loss claim answer joins claim ends leaves out releases */
+    [MEMBER_JOINING]    = {J,        J,   0,    J,     A,    0,         0,         0},
+    [MEMBER_ACTIVE]     = {A,        L,   C,    A,     0,    0,         0,         0},
+    [MEMBER_CONTESTED]  = {C,        S,   C,    A,     0,    A,         0,         0},
+    [MEMBER_LOST]       = {A,        L,   S,    L,     0,    0,         O,         0},
+    [MEMBER_SUPERSEDED] = {0,        S,   S,    S,     0,    0,         0,         R},
+    [MEMBER_RELEASED]   = {0,        R,   0,    0,     0,    0,         0,         0},
+    [MEMBER_LEFT_OUT]   = {0,        O,   S,    0,     0,    0,         0,         0},
+};
+/* clang-format on */
 
 bool member_on(struct session_process *p, enum member_event event)
 {
-    enum member_state next = next_state[p->state][event];
+    enum member_state next = (enum member_state)next_state[p->state][event];
     if (next == MEMBER_REFUSES) {
         MU_ASSERT(event < MEMBER_OWN_EVENTS);
         if (p->refused++ == 0) {

@@ -4,58 +4,45 @@
 
 #include "core/log.h"
 
-/* Events of peers come first; the others are the session's own. */
-static const enum phase next_phase[PHASES][PHASE_EVENTS] = {
-    [PHASE_GATHERING] = {[PHASE_GO] = PHASE_CALLED,
-                         [PHASE_END] = PHASE_ENDING,
-                         [PHASE_COMPLETE] = PHASE_READY,
-                         [PHASE_INCOMPLETE] = PHASE_GATHERING},
-    [PHASE_READY] = {[PHASE_GO] = PHASE_CALLED,
-                     [PHASE_END] = PHASE_ENDING,
-                     [PHASE_COMPLETE] = PHASE_READY,
-                     [PHASE_INCOMPLETE] = PHASE_GATHERING},
-    [PHASE_CALLED] = {[PHASE_END] = PHASE_ENDING,
-                      [PHASE_COMPLETE] = PHASE_RUNNING,
-                      [PHASE_INCOMPLETE] = PHASE_CALLED},
-    [PHASE_RUNNING] = {[PHASE_END] = PHASE_ENDING,
-                       [PHASE_DEPARTURE] = PHASE_SETTLING,
-                       [PHASE_PAUSES] = PHASE_PAUSED,
-                       [PHASE_HOLDS] = PHASE_HELD,
-                       [PHASE_FAILS] = PHASE_FAULT},
-    [PHASE_SETTLING] = {[PHASE_END] = PHASE_ENDING,
-                        [PHASE_DEPARTURE] = PHASE_SETTLING,
-                        [PHASE_SETTLED] = PHASE_RUNNING,
-                        [PHASE_PAUSES] = PHASE_PAUSED_SETTLING,
-                        [PHASE_HOLDS] = PHASE_HELD_SETTLING,
-                        [PHASE_FAILS] = PHASE_FAULT},
-    [PHASE_PAUSED] =
-        {[PHASE_GO] = PHASE_RUNNING, [PHASE_END] = PHASE_ENDING, [PHASE_RESUMES] = PHASE_RUNNING},
-    [PHASE_PAUSED_SETTLING] =
-        {[PHASE_GO] = PHASE_SETTLING, [PHASE_END] = PHASE_ENDING, [PHASE_RESUMES] = PHASE_SETTLING},
-    [PHASE_HELD] = {[PHASE_END] = PHASE_ENDING,
-                    [PHASE_DEPARTURE] = PHASE_HELD_SETTLING,
-                    [PHASE_RESUMES] = PHASE_RUNNING,
-                    [PHASE_FAILS] = PHASE_FAULT},
-    [PHASE_HELD_SETTLING] = {[PHASE_END] = PHASE_ENDING,
-                             [PHASE_DEPARTURE] = PHASE_HELD_SETTLING,
-                             [PHASE_RESUMES] = PHASE_SETTLING,
-                             [PHASE_FAILS] = PHASE_FAULT},
-    [PHASE_ENDING] = {[PHASE_END] = PHASE_ENDING,
-                      [PHASE_DEPARTURE] = PHASE_ENDING,
-                      [PHASE_SETTLED] = PHASE_ENDING,
-                      [PHASE_PAUSES] = PHASE_ENDING,
-                      [PHASE_RESUMES] = PHASE_ENDING,
-                      [PHASE_FINISHES] = PHASE_DONE,
-                      [PHASE_FAILS] = PHASE_FAULT},
+/* The letters of the table; 0 is a refusal. */
+enum {
+    G = PHASE_GATHERING,
+    R = PHASE_READY,
+    C = PHASE_CALLED,
+    N = PHASE_RUNNING,
+    S = PHASE_SETTLING,
+    P = PHASE_PAUSED,
+    p = PHASE_PAUSED_SETTLING,
+    H = PHASE_HELD,
+    h = PHASE_HELD_SETTLING,
+    E = PHASE_ENDING,
+    D = PHASE_DONE,
+    F = PHASE_FAULT
 };
+
+/* clang-format off */
+static const unsigned char next_phase[PHASES][PHASE_EVENTS] = {
+    /*                         go end departs all lacks settled pauses holds resumes done fails */
+    [PHASE_GATHERING]       = {C, E,  0,      R,  G,    0,      0,     0,    0,      0,   0},
+    [PHASE_READY]           = {C, E,  0,      R,  G,    0,      0,     0,    0,      0,   0},
+    [PHASE_CALLED]          = {0, E,  0,      N,  C,    0,      0,     0,    0,      0,   0},
+    [PHASE_RUNNING]         = {0, E,  S,      0,  0,    0,      P,     H,    0,      0,   F},
+    [PHASE_SETTLING]        = {0, E,  S,      0,  0,    N,      p,     h,    0,      0,   F},
+    [PHASE_PAUSED]          = {N, E,  0,      0,  0,    0,      0,     0,    N,      0,   0},
+    [PHASE_PAUSED_SETTLING] = {S, E,  0,      0,  0,    0,      0,     0,    S,      0,   0},
+    [PHASE_HELD]            = {0, E,  h,      0,  0,    0,      0,     0,    N,      0,   F},
+    [PHASE_HELD_SETTLING]   = {0, E,  h,      0,  0,    0,      0,     0,    S,      0,   F},
+    [PHASE_ENDING]          = {0, E,  E,      0,  0,    E,      E,     0,    E,      D,   F},
+};
+/* clang-format on */
 
 bool phase_on(struct session *s, enum phase_event event)
 {
-    enum phase next = next_phase[s->phase][event];
+    enum phase next = (enum phase)next_phase[s->phase][event];
     if (next == PHASE_REFUSES) {
         MU_ASSERT(event < PHASE_OWN_EVENTS);
         s->refused++;
-        mu_log(MU_LOG_INFO, "event-refused", "phase=%d event=%d", (int)s->phase, (int)event);
+        mu_log(MU_LOG_INFO, "phase-refused", "phase=%d event=%d", (int)s->phase, (int)event);
         return false;
     }
     s->phase = next;
@@ -87,17 +74,16 @@ bool phase_is_paused(const struct session *s)
 
 muster_RunState phase_word(const struct session *s)
 {
-    static const muster_RunState words[PHASES] = {[PHASE_REFUSES] = muster_RUN_WAITING,
-                                                  [PHASE_GATHERING] = muster_RUN_WAITING,
-                                                  [PHASE_CALLED] = muster_RUN_WAITING,
+    static const muster_RunState words[PHASES] = {[PHASE_GATHERING] = muster_RUN_WAITING,
                                                   [PHASE_READY] = muster_RUN_READY,
+                                                  [PHASE_CALLED] = muster_RUN_WAITING,
                                                   [PHASE_RUNNING] = muster_RUN_RUNNING,
                                                   [PHASE_SETTLING] = muster_RUN_RUNNING,
                                                   [PHASE_PAUSED] = muster_RUN_RUNNING,
-                                                  [PHASE_HELD] = muster_RUN_RUNNING,
                                                   [PHASE_PAUSED_SETTLING] = muster_RUN_RUNNING,
-                                                  [PHASE_ENDING] = muster_RUN_RUNNING,
+                                                  [PHASE_HELD] = muster_RUN_RUNNING,
                                                   [PHASE_HELD_SETTLING] = muster_RUN_RUNNING,
+                                                  [PHASE_ENDING] = muster_RUN_RUNNING,
                                                   [PHASE_DONE] = muster_RUN_DONE,
                                                   [PHASE_FAULT] = muster_RUN_FAULT};
     return words[s->phase];

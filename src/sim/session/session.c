@@ -140,6 +140,17 @@ static void status_drain(struct session *s)
     }
 }
 
+static void refusals_say(const struct session *s)
+{
+    uint32_t of_members = 0;
+    for (uint32_t i = 0; i < s->process_count; i++) {
+        of_members += s->processes[i].refused;
+    }
+    if (s->refused + of_members > 0) {
+        mu_log(MU_LOG_INFO, "events-refused", "phase=%u members=%u", s->refused, of_members);
+    }
+}
+
 mu_result session_run(struct session *s)
 {
     mu_result ran = s->options.free ? lockstep_run_free(s) : lockstep_run(s);
@@ -164,6 +175,7 @@ mu_result session_run(struct session *s)
     }
     (void)bus_drain(&s->answers, 200000000);
     observe_close(s);
+    refusals_say(s);
     status_drain(s);
     return ran == MU_OK && interrupted ? MU_DONE : ran;
 }
