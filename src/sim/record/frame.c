@@ -8,11 +8,11 @@
 
 enum { FRAME_NONE = -1 };
 
-/* Memory that is handed out from its beginning, and all taken back at once. */
+/* An arena: memory is handed out from its beginning, and taken back all at once. */
 struct pool_bytes {
     unsigned char *bytes;
     size_t size, used;
-    bool cut; /* something has not fitted */
+    bool cut; /* something did not fit */
 };
 
 /* The acts of one robot, in the order in which they came. */
@@ -20,7 +20,7 @@ struct chain {
     int32_t first, last;
 };
 
-/* Mails from outside: the broker may be a step ahead, so that two steps' lie here. */
+/* Mails from outside.  The broker may be a step ahead, so there are two of these. */
 struct outside {
     struct pool_bytes text;
     int64_t step;
@@ -59,7 +59,7 @@ static void *bytes_take(struct pool_bytes *p, size_t count)
     return taken;
 }
 
-/* A text that is not there is the empty one, as on the wire. */
+/* NULL stands for the empty text, as on the wire. */
 static char *text_keep(struct pool_bytes *p, const char *text)
 {
     static char none[1];
@@ -87,7 +87,7 @@ static muster_Mail mail_keep(struct pool_bytes *p, const muster_Mail *m)
     return copy;
 }
 
-/* Either all of something has fitted, or nothing of it stays.  @return whether it has */
+/* Takes back what was begun if not all of it fitted.  @return whether all fitted */
 static bool bytes_settle(struct pool_bytes *p, size_t before)
 {
     bool whole = !p->cut;
@@ -117,7 +117,7 @@ static void lines_open(struct frame_builder *v, const struct world *world)
     f->objects._buffer = mu_startup_array(world->object_count, sizeof *f->objects._buffer);
     f->objects._length = f->objects._maximum = (uint32_t)world->object_count;
     for (size_t i = 0; i < world->robot_count; i++) {
-        f->robots._buffer[i].name = (char *)(uintptr_t)world->robots[i].name; /* only read */
+        f->robots._buffer[i].name = (char *)(uintptr_t)world->robots[i].name; /* it is only read */
         f->robots._buffer[i].goal = (char *)(uintptr_t) "";
     }
     for (size_t i = 0; i < world->object_count; i++) {

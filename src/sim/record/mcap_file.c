@@ -28,9 +28,9 @@ struct mcap_file {
     char keys[PAIRS_MAX][64];
 };
 
-/* --- what was needed for the run -------------------------------------------------------------- */
+/* --- files and notes of the run --------------------------------------------------------------- */
 
-/* What to tell programs that show a file. */
+/* @return the media type of a file, for programs that show it */
 static const char *media_type(const char *path)
 {
     static const struct {
@@ -49,7 +49,8 @@ static const char *media_type(const char *path)
     return "application/octet-stream";
 }
 
-/* The name of a file in the recording: no way out of a folder that somebody unpacks it into. */
+/* Makes the name of a file in the recording.  It has no "..", so unpacking stays within a folder.
+ */
 static void name_make(struct mu_text *name, const char *said)
 {
     while (*said) {
@@ -98,7 +99,7 @@ static void files_attach(struct mcap_file *f, const struct mu_option_list *files
     }
 }
 
-/* Likewise, of a world. */
+/* Attaches the files that a world was read from. */
 static void world_attach(struct mcap_file *f, const struct world_file *world)
 {
     char bytes[NAME_SIZE];
@@ -111,7 +112,7 @@ static void world_attach(struct mcap_file *f, const struct world_file *world)
     }
 }
 
-/* Splits "KEY=VALUE"; what has no key is left out. */
+/* Splits "KEY=VALUE".  Leaves a note without a key out.  @return the number of pairs */
 static size_t notes_fill(struct mcap_file *f, const struct mu_option_list *notes, size_t count)
 {
     for (size_t i = 0; i < notes->count && count < PAIRS_MAX; i++) {
@@ -125,7 +126,7 @@ static size_t notes_fill(struct mcap_file *f, const struct mu_option_list *notes
     return count;
 }
 
-/* By hand nobody else says where robots were put. */
+/* In a run that was started by hand, notes where robots were put.  @return the number of pairs */
 static size_t places_fill(struct mcap_file *f, const struct mu_option_list *places, size_t count)
 {
     for (size_t i = 0; i < places->count; i++) {

@@ -12,7 +12,7 @@ enum { QUEUE_SIZE = MU_ORDERS_MAX + MU_ORDERS_LATER_MAX };
 struct queued {
     enum { QUEUED_FREE, QUEUED_WAITS, QUEUED_DUE, QUEUED_TAKEN } state;
     bool later;       /* it has a time or a condition */
-    uint64_t arrival; /* its number, of all that came */
+    uint64_t arrival; /* its number among all orders */
     struct order order;
     struct condition_watch watch; /* if the order has a condition */
 };

@@ -45,7 +45,7 @@ static void fold_double(EVP_MD_CTX *to, double value)
     fold_number(to, bits);
 }
 
-/* With its zero, so that "ab" "c" and "a" "bc" differ. */
+/* Folds the final zero in, too, so that "ab" "c" and "a" "bc" differ. */
 static void fold_text(EVP_MD_CTX *to, const char *text)
 {
     fold(to, text, strlen(text) + 1);
@@ -69,7 +69,8 @@ void run_hash_act(struct run_hash *h, const muster_Act *act, unsigned char diges
     fold_number(h->act, act->drives);
     fold_double(h->act, act->forward_m_s);
     fold_double(h->act, act->turn_rad_s);
-    if (act->paddles != 0 || act->lift != 0) { /* else an act is what it was without a gripper */
+    if (act->paddles != 0 ||
+        act->lift != 0) { /* keeps the digests of acts without orders to a gripper */
         fold_text(h->act, "grip");
         fold_number(h->act, (uint64_t)act->paddles);
         fold_number(h->act, (uint64_t)act->lift);

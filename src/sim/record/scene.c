@@ -9,13 +9,13 @@
 
 enum { COLOR_TEXT = 8 };
 
-/* Nobody writes through what a sample points to. */
+/* A sample is only read, so this cast is safe. */
 static char *scene_text(const char *text)
 {
     return (char *)(uintptr_t)text;
 }
 
-/* @param corners_m  room for the corners of a box */
+/* @param corners_m  room for OUTLINE_NUMBERS_MAX numbers */
 static muster_Outline outline_of(const struct world_shape *shape, const struct world_pose *pose,
                                  float *corners_m)
 {

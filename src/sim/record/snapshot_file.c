@@ -11,7 +11,8 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-/* The kernel goes along the path: between a look of ours and the opening a link could be made. */
+/* openat2 resolves the path in the kernel: a check of ours before the call could be outrun by a
+ * link. */
 static int file_make(int folder, const char *path)
 {
     struct open_how how = {.flags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC,
@@ -62,7 +63,8 @@ mu_result snapshot_file_restore(struct engine *e, const char *path)
     if (!f) {
         return snapshot_file_fault(path, strerror(errno));
     }
-    size_t count = fread(bytes, 1, size + 1, f); /* one more than there should be */
+    size_t count =
+        fread(bytes, 1, size + 1, f); /* a byte more than a snapshot has shows a longer file */
     bool failed = ferror(f);
     fclose(f);
     if (failed) {

@@ -13,7 +13,7 @@
 enum { TRACKS_BUFFER = 256 * 1024 };
 
 struct tracks {
-    FILE *file, *placements; /* NULL: nobody was placed yet */
+    FILE *file, *placements; /* NULL: no robot was placed yet */
     char path[512], placements_path[512];
     char buffer[TRACKS_BUFFER];
 };
@@ -31,7 +31,7 @@ mu_result tracks_open(struct tracks **out, const char *path)
     snprintf(r->path, sizeof r->path, "%s", path);
     snprintf(r->placements_path, sizeof r->placements_path, "%.*splacements.csv",
              slash ? (int)(slash + 1 - path) : 0, path);
-    unlink(r->placements_path); /* of another run */
+    unlink(r->placements_path); /* an earlier run may have left it */
     r->file = fopen(path, "w");
     if (!r->file) {
         return tracks_fault(path, "create");
@@ -49,8 +49,7 @@ mu_result tracks_open(struct tracks **out, const char *path)
     return MU_OK;
 }
 
-/* Writes a number with six decimals; printf would take a tenth of a whole step for a row of them.
- */
+/* Writes a number with six decimals.  printf would take a tenth of the time of a step. */
 static char *number_write(char *to, double value)
 {
     char digits[24];
@@ -74,7 +73,7 @@ static char *number_write(char *to, double value)
     return to;
 }
 
-/* Beside the tracks, when the first one is placed.  A full disk shows there, too. */
+/* Creates placements.csv when the first robot is placed.  A full disk also shows in the tracks. */
 static void placement_add(struct tracks *r, uint64_t time_ns, const char *robot)
 {
     char time[24];

@@ -51,7 +51,7 @@ mu_result agents_seat(struct session_agents *a, const char *name, int32_t proces
 {
     struct session_agent *known = agents_find(a, name);
     if (known && (known->body >= 0 || known->state != muster_STATE_ABSENT)) {
-        bool stays = known->process >= 0 && process >= 0; /* for this step */
+        bool stays = known->process >= 0 && process >= 0; /* until the step ends */
         known->next_process = stays ? process : -1;
         known->process = stays ? known->process : process;
         return MU_OK;

@@ -13,7 +13,7 @@ struct outcome commands_outcome(muster_RunOutcome result, const char *reason)
     return o;
 }
 
-/* In the log. */
+/* The words of orders in the log. */
 static const char *word_of(muster_RunOrder order)
 {
     static const char *const words[] = {
@@ -34,13 +34,13 @@ void commands_answer(struct session *s, const muster_RunCommand *c, const struct
                                .seq = c->seq,
                                .step = step,
                                .result = o->result,
-                               .reason = (char *)(uintptr_t)o->reason}; /* nobody writes there */
+                               .reason = (char *)(uintptr_t)o->reason}; /* it is only read */
     if (bus_write(&s->answers, &answer) != MU_OK) {
         mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", c->source);
     }
 }
 
-/* What paces the run belongs to the clock on the wall, not to a step. */
+/* The pace follows the wall clock and not a step, so it changes at once. */
 static struct outcome pace_change(struct session *s, const muster_RunCommand *c)
 {
     if (s->options.free) {
@@ -61,7 +61,7 @@ void commands_take(struct session *s, const muster_RunCommand *c)
     struct outcome o;
     if (c->order != muster_RUN_PACE) {
         if (order_queue_put(s->orders, c, why) == MU_OK) {
-            return; /* it is answered when it is carried out */
+            return; /* the answer follows when the order is carried out */
         }
         o = commands_outcome(muster_ORDER_REFUSED, why);
     } else if (c->due_ns > 0 || c->when[0] != '\0') {

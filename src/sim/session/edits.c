@@ -107,7 +107,7 @@ static struct outcome order_save(struct session *s, const muster_RunCommand *c, 
     return o;
 }
 
-/* It is answered first: who hears that begins, and says when he is done. */
+/* The answer goes out before the pause: its receiver acts, and then says RUN_GO. */
 static struct outcome order_hold(struct session *s, const muster_RunCommand *c, long body)
 {
     (void)s;
@@ -118,14 +118,14 @@ static struct outcome order_hold(struct session *s, const muster_RunCommand *c, 
 
 static const struct {
     struct outcome (*run)(struct session *s, const muster_RunCommand *c, long body);
-    bool needs_body; /* else "" stands for all, or for none */
-    bool changes;    /* the world, and with it the run's hash */
+    bool needs_body; /* otherwise an empty name stands for all bodies, or for none */
+    bool changes;    /* it changes the world, and so the hash of the run */
 } order_table[] = {
     [muster_RUN_PLACE] = {order_place, true, true},
     [muster_RUN_PUSH] = {order_push, true, true},
     [muster_RUN_RESET] = {order_reset, false, true},
     [muster_RUN_SENSOR] = {order_sensor, true, true},
-    [muster_RUN_PACE] = {NULL, false, false}, /* at once: commands_take */
+    [muster_RUN_PACE] = {NULL, false, false}, /* commands_take carries it out at once */
     [muster_RUN_SAVE] = {order_save, false, false},
     [muster_RUN_HOLD] = {order_hold, false, false},
 };
@@ -172,7 +172,7 @@ static bool robot_counts(const void *self, int robot)
     return s->agents.at[robot].controlled;
 }
 
-/* Looks what has come true in this step. */
+/* Finds the orders that are due, and the events of this step. */
 static void conditions_look(struct session *s)
 {
     uint64_t time_ns = (uint64_t)s->step * s->options.step_ns;
@@ -189,7 +189,7 @@ static void conditions_look(struct session *s)
     order_queue_look(s->orders, time_ns, &view);
 }
 
-/* Whoever asked for it says RUN_GO when he is done. */
+/* Waits until the process that asked for the pause says RUN_GO. */
 static void order_hold_run(struct session *s)
 {
     uint64_t until_ns = mu_clock_ns() + HOLD_PATIENCE_NS;

@@ -9,13 +9,13 @@
 #include <math.h>
 #include <string.h>
 
-/* An order that a gripper does not know is none. */
+/* Reads any other number as no order. */
 static int32_t order_of(int32_t order)
 {
     return order >= -1 && order <= 1 ? order : 0;
 }
 
-/* Conditions may be about it. */
+/* Notes an act for the conditions of orders and events. */
 static void act_note(struct session *s, int robot, const muster_Act *act)
 {
     order_queue_note_act(s->orders, robot, act);
@@ -59,7 +59,7 @@ static void act_take(struct session *s, const muster_Act *act, int32_t process)
     observe_act(s, (size_t)(agent - s->agents.at), act);
 }
 
-/* Free running: mail goes out at once, and is nothing but something to look at. */
+/* In free running agents send mail at once: such an act only goes into the Frame. */
 static void up_show(struct session *s, const muster_Up *up, int32_t process)
 {
     for (uint32_t i = 0; i < up->acts._length; i++) {
@@ -110,8 +110,8 @@ static void up_take(struct session *s, const muster_Up *up)
     }
 }
 
-/* The broker has given a name to a process: that of a robot to another one, whose answers may be on
- * their way yet; or a new one, for whom there may be a body that nobody has any more. */
+/* The broker has moved an agent to a process, or has begun one there.  Answers of its earlier
+ * process may still arrive in this step. */
 static void trip_take(struct session *s, const muster_Trip *t)
 {
     int32_t process = roster_process(s, t->process);
@@ -137,8 +137,8 @@ static void delivery_take(struct session *s, const muster_Delivery *d)
     run_hash_outside(s->hash, d->outside._buffer, d->outside._length, s->outside[d->step & 1]);
 }
 
-/* While steps run, the roster is fixed but for those that die and are started again: whoever else
- * does not answer is found by its silence. */
+/* While steps run, the roster changes only by processes that die and are started again.  Any other
+ * process that does not answer is found by its silence. */
 static void registrations_take(struct session *s)
 {
     enum bus_life life;

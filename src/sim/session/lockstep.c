@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One step after the other: in lock step, when everybody has answered, and in free running, when it
- * is time. */
+/* Runs step after step: in lock step when all processes have answered, in free running by time. */
 #include "sim/session/parts.h"
 
 #include "core/clock.h"
@@ -11,10 +10,11 @@
 static const int64_t WAIT_NS = 50000000;
 static const int64_t RETRY_NS = 1000000;
 
-/* Who is gone by the network's word, and has no robot, is waited for so long: it may be slow. */
+/* A process that the network reports as gone, and that has no robot, may only be slow: the step
+ * waits for it this long. */
 static const uint64_t LOSS_NS = 1000000000;
 
-/* No step is due later than in thirty years, however slow the pace is. */
+/* Bounds the wait for a step, about thirty years, so that it fits an integer. */
 static const double PACE_MAX_NS = 1e18;
 
 /* --- lock step -------------------------------------------------------------------------------- */
@@ -25,7 +25,7 @@ static mu_result silence_report(struct session *s)
     mu_text_init(&who, s->waits_for, sizeof s->waits_for);
     mu_text_format(&who, "silent for %llu s at step %lld:",
                    (unsigned long long)(recover_patience_ns(s) / 1000000000u), (long long)s->step);
-    /* Without the mail of the last step no robot can answer. */
+    /* No process can answer a step before it has the mail of the last one. */
     bool broker_is_late = s->mail_step < s->step - 1;
     if (broker_is_late) {
         mu_text_add(&who, " the broker");
@@ -45,7 +45,7 @@ static mu_result silence_report(struct session *s)
     return MU_TIMEOUT;
 }
 
-/* How many samples this step still needs: so many, and nothing is done for fewer. */
+/* @return how many samples the step still needs; fewer need not wake the session */
 static uint64_t samples_missing(const struct session *s)
 {
     uint64_t missing = s->answers_missing + (s->mail_step < s->step - 1);
@@ -91,7 +91,7 @@ static bool goes_on(struct session *s)
     return in_time && !phase_ends(s);
 }
 
-/* @return when the step may begin, by the clock of the rate, or, in free running, may end */
+/* @return the wall time at which the step may begin or, in free running, may end */
 static uint64_t due_ns(const struct session *s)
 {
     double rate = s->options.free ? 1.0 : s->options.rate;
@@ -100,8 +100,7 @@ static uint64_t due_ns(const struct session *s)
     return s->pace_wall_ns + (uint64_t)fmin(due_ns, PACE_MAX_NS);
 }
 
-/* Waits until the time of the step has come, taking in what comes meanwhile, such as another rate.
- */
+/* Waits until the step is due, and takes what comes meanwhile, such as another rate. */
 static void pace(struct session *s)
 {
     for (uint64_t now_ns = mu_clock_ns(); now_ns < due_ns(s) && !phase_ends(s);
@@ -111,10 +110,10 @@ static void pace(struct session *s)
         inbox_take(s);
         (void)status_tell(s, false);
     }
-    s->last_step_wall_ns = mu_clock_ns(); /* silence counts from here */
+    s->last_step_wall_ns = mu_clock_ns(); /* the patience with silent processes starts here */
 }
 
-/* A robot has set out: the next step begins when the broker has said where it is. */
+/* After an agent has departed, waits until the broker has said where it is. */
 static mu_result moves_wait(struct session *s)
 {
     if (s->phase != PHASE_SETTLING) {
@@ -136,7 +135,7 @@ mu_result lockstep_run(struct session *s)
     while (goes_on(s) && waited == MU_OK) {
         pace(s);
         percepts_read(s);
-        /* The very first step waits for the broker: it must know the roster. */
+        /* The first step waits until the broker knows the roster. */
         if (s->step > 0) {
             percepts_send(s, false);
         }
@@ -164,8 +163,8 @@ mu_result lockstep_run(struct session *s)
 
 /* --- free running ----------------------------------------------------------------------------- */
 
-/* A broker that has come since, as one that was started again, has found the Roster of an earlier
- * step, and takes it for the time of the run. */
+/* A broker that joins during the run, such as one that was started again, finds an old Roster and
+ * would take its step for the time of the run. */
 static void roster_renew(struct session *s)
 {
     uint32_t readers = bus_writer_matched_ever(&s->roster);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What observers are told of a run: the Scene once, and Frames as long as somebody wants them. */
+/* Tells observers of a run: the Scene once, and Frames while a reader or a recording wants them. */
 #include "bus/percept.h"
 #include "sim/session/parts.h"
 
@@ -7,7 +7,7 @@
 #include "core/log.h"
 #include "muster/memory.h"
 
-/* Who shows Frames to people needs no more than 25 in a second. */
+/* Displays need at most 25 Frames a second. */
 static const uint64_t LATEST_PERIOD_NS = 40000000;
 static const int64_t DRAIN_NS = 200000000;
 
@@ -76,7 +76,7 @@ void observe_begin(struct session *s, bool last)
         tally_take(&s->observe.tallies[r], time_ns, s->options.step_ns, &s->robots[r].sensed);
     }
     if (!s->options.free) {
-        frame_clear(s->observe.frame); /* of a step that was broken off */
+        frame_clear(s->observe.frame); /* a step that was broken off may have left acts */
     }
     s->observe.wanted = wanted_by(s, last);
     if (!s->observe.wanted) {
@@ -121,7 +121,7 @@ static void robot_finish(struct session *s, size_t robot)
     const struct session_agent *agent = &s->agents.at[robot];
     bool lives = agent->process >= 0;
     v->state = lives ? agent->state : muster_STATE_ABSENT;
-    v->goal = (char *)(uintptr_t)(lives ? r->goal : ""); /* nobody writes there */
+    v->goal = (char *)(uintptr_t)(lives ? r->goal : ""); /* it is only read */
     v->command_forward_m_s = r->command_forward_m_s;
     v->command_turn_rad_s = r->command_turn_rad_s;
     v->firings = r->firings;
@@ -129,7 +129,7 @@ static void robot_finish(struct session *s, size_t robot)
     v->mails_received = r->mails_received;
 }
 
-/* What the network does not take is lost: nobody waits for who looks. */
+/* A Frame that the network refuses is lost: the run does not wait for observers. */
 static void frame_write(struct session *s, const muster_Frame *frame)
 {
     if (s->observe.wanted & SESSION_FOR_EVERY) {

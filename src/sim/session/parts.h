@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file parts.h
- * A run, seen from the simulator: who controls which robot, and one step after the other.
- *
- * docs/lockstep.md has the protocol.  The order of a step is fixed: senses out, answers in,
- * commands in the order of the robots, hash, record, physics.
+ * What the files of a session share.
  */
 #ifndef MUSTER_SIM_SESSION_PARTS_H
 #define MUSTER_SIM_SESSION_PARTS_H
@@ -12,24 +9,24 @@
 #include "core/table.h"
 #include "sim/session/session.h"
 
-/* The dead-man, in control steps and, in free running, by the wall. */
+/* The command timeout, in control steps. */
 enum { SESSION_QUIET_STEPS = 10 };
 
 /* An agent of the run. */
 struct session_agent {
     char name[MU_NAME_MAX + 1];
-    bool controlled;      /* a process is to have it; else its body is an obstacle */
+    bool controlled;      /* false: its body has no controller and is an obstacle */
     int32_t body;         /* index of its robot; -1: none */
-    int32_t process;      /* index of the one that it lives in; -1: none */
+    int32_t process;      /* index of the process that it lives in; -1: none */
     int32_t next_process; /* from the next step on; -1: the same */
-    uint32_t slot;        /* of a robot's, in that process */
-    muster_State state;   /* by its last word */
+    uint32_t slot;        /* of a robot: the place of its entry in that process's registration */
+    muster_State state;   /* in its last act */
     unsigned char digest[RUN_HASH_BYTES]; /* of what it did in this step */
 };
 
 /*
- * All of them: first the robots', in the world's order, then those without a body that began while
- * the run went on, in order of name, so that the order in which they came does not show.
+ * All agents: first those of robots in the order of the world, then those without a body in order
+ * of name, so that their order of arrival does not show.
  */
 struct session_agents {
     struct session_agent *at; /* [0, count) */
@@ -41,29 +38,29 @@ struct session_agents {
 
 /* The body of an agent, and what it was told to do. */
 struct session_robot {
-    char goal[MU_FIELD_MAX + 1]; /* by the agent's last word: what it wants */
-    bool drives;                 /* of the last answer: a speed was set */
+    char goal[MU_FIELD_MAX + 1]; /* in its last act */
+    bool drives;                 /* the last answer has set a speed */
     double forward_m_s, turn_rad_s;
-    double command_forward_m_s, command_turn_rad_s; /* what its motors were told last */
-    int32_t paddles, lift; /* of the last answer, as in Act: what its gripper is to do */
-    uint32_t senses;       /* that its controller asks for: bits of enum mu_sense */
-    uint32_t off;          /* of them, those that somebody has switched off */
-    uint32_t quiet_steps;  /* since a speed was set */
+    double command_forward_m_s, command_turn_rad_s; /* the last command to its motors */
+    int32_t paddles, lift; /* orders to its gripper in the last answer, as in Act */
+    uint32_t senses;       /* requested by its agent: bits of enum mu_sense */
+    uint32_t off;          /* those that an order has switched off */
+    uint32_t quiet_steps;  /* since its agent has set a speed */
     uint64_t firings, mails_sent, mails_received, mails_duplicated;
-    bool returned; /* its controller has begun in the middle: it was not handed all mail itself */
+    bool returned; /* its agent was restored: another process was handed the earlier mail */
     struct engine_sample sensed;
 };
 
 /* What a process is in the run. */
 enum member_state {
     MEMBER_REFUSES,    /* no state: the event is refused */
-    MEMBER_JOINING,    /* it has not had a step yet */
+    MEMBER_JOINING,    /* it has had no step yet */
     MEMBER_ACTIVE,     /* it takes part */
     MEMBER_CONTESTED,  /* another process claims its place, and it may be dead */
-    MEMBER_LOST,       /* the network says that it is gone; it may come back */
-    MEMBER_SUPERSEDED, /* it is gone, and its place is another's, whether it comes back or not */
+    MEMBER_LOST,       /* the network reports it as gone; it may come back */
+    MEMBER_SUPERSEDED, /* it is gone, and its successor takes its place */
     MEMBER_RELEASED,   /* its agents are free for its successor */
-    MEMBER_LEFT_OUT,   /* it is gone, nobody needs it, and steps go on without it */
+    MEMBER_LEFT_OUT,   /* it is gone, and steps go on without it */
     MEMBER_STATES
 };
 
@@ -73,23 +70,24 @@ enum member_event {
     MEMBER_CLAIM,     /* another process has registered an agent or a host of its name */
     MEMBER_ANSWER,    /* it has answered the step */
     MEMBER_OWN_EVENTS,
-    MEMBER_JOINS = MEMBER_OWN_EVENTS, /* all that it needs is there, and it gets steps */
+    MEMBER_JOINS = MEMBER_OWN_EVENTS, /* it gets its first step */
     MEMBER_CLAIM_ENDS,                /* the process that claimed its place is gone */
-    MEMBER_LEAVES_OUT,                /* the steps go on without it */
+    MEMBER_LEAVES_OUT,                /* steps go on without it */
     MEMBER_RELEASES,                  /* recovery takes its agents from it */
     MEMBER_EVENTS
 };
 
 enum {                     /* roles */
        MEMBER_WATCHES = 1, /* it sees all bodies, and has none */
-       MEMBER_HOSTS = 2, /* it takes in robots: it belongs to the run, whether it has any or not */
-       MEMBER_ONLOOKS = 4, /* it watches, and all its agents are special: nobody needs it */
+       MEMBER_HOSTS = 2,   /* agents may move to it: it belongs to the run even without any */
+       MEMBER_ONLOOKS =
+           4, /* it watches, and the run does not need it: all its agents are special */
 };
 
-enum {                     /* what one that joins has of what it needs */
-       MEMBER_GREETED = 1, /* a Sense with nothing in it has gone to it */
+enum {                     /* what a process needs before it joins */
+       MEMBER_GREETED = 1, /* an empty Sense has gone to it */
        MEMBER_HEARD = 2,   /* a sample of it has come */
-       MEMBER_READY = 4,   /* it says that it has matched all its partners */
+       MEMBER_READY = 4,   /* it reports that it has found all its partners */
        MEMBER_JOINED = 7
 };
 
@@ -100,26 +98,26 @@ struct session_process {
     enum member_state state;
     unsigned roles;                   /* MEMBER_WATCHES ... */
     unsigned joined;                  /* MEMBER_GREETED ... */
-    char host[MU_NAME_MAX + 1];       /* the name of one that hosts */
-    char claimer[MU_PROCESS_MAX + 1]; /* of one that is contested: the process that claims it */
+    char host[MU_NAME_MAX + 1];       /* its name as a host */
+    char claimer[MU_PROCESS_MAX + 1]; /* the process that claims its place */
     uint32_t refused;                 /* events that its state does not allow */
     int64_t answered;                 /* the last step that it has answered */
     uint64_t answered_wall_ns;
-    muster_Sense sample; /* what it is sent; its robots lie in the session's pool */
-    bool sample_pending; /* the network has refused it: try again */
+    muster_Sense sample; /* what it is sent; its robots lie in percepts of the session */
+    bool sample_pending; /* the network has refused it, and it goes out again */
 };
 
 /* What the run is doing. */
 enum phase {
     PHASE_REFUSES,   /* no phase: the event is refused */
-    PHASE_GATHERING, /* somebody is missing */
-    PHASE_READY,     /* everybody is there; the word to go is missing */
-    PHASE_CALLED,    /* the word to go has come; the first step begins when everybody is there */
+    PHASE_GATHERING, /* a process is missing */
+    PHASE_READY,     /* all processes are there; RUN_GO is missing */
+    PHASE_CALLED,    /* RUN_GO has come; a process may be missing */
     PHASE_RUNNING,
-    PHASE_SETTLING,        /* an agent departs: the next step waits for the broker's word */
-    PHASE_PAUSED,          /* an order has paused it until the word to go */
+    PHASE_SETTLING,        /* an agent departs: the next step waits for the broker */
+    PHASE_PAUSED,          /* an order has paused it until RUN_GO */
     PHASE_PAUSED_SETTLING, /* likewise, and then it settles */
-    PHASE_HELD,            /* it waits for a process that is being started again */
+    PHASE_HELD,            /* it waits for the successor of a process */
     PHASE_HELD_SETTLING,   /* likewise, and then it settles */
     PHASE_ENDING,
     PHASE_DONE,
@@ -128,13 +126,13 @@ enum phase {
 };
 
 enum phase_event {
-    PHASE_GO,        /* somebody says that it is to begin, or to go on */
-    PHASE_END,       /* somebody, a signal or its duration says that it is to end */
-    PHASE_DEPARTURE, /* an answer of the step has an agent that departs */
+    PHASE_GO,        /* RUN_GO: begin, or go on */
+    PHASE_END,       /* RUN_END, a signal, or the end of its duration */
+    PHASE_DEPARTURE, /* an answer of the step says that an agent departs */
     PHASE_OWN_EVENTS,
     PHASE_COMPLETE = PHASE_OWN_EVENTS,
     PHASE_INCOMPLETE,
-    PHASE_SETTLED, /* the broker has said where those are who departed */
+    PHASE_SETTLED, /* the broker has said where agents have gone */
     PHASE_PAUSES,
     PHASE_HOLDS,
     PHASE_RESUMES, /* from a pause or a hold */
@@ -160,7 +158,7 @@ struct session_observe {
     bool end_recorded;
     muster_Scene *scene;
     struct frame_builder *frame;
-    unsigned wanted;         /* this step's Frame: SESSION_FOR_...; 0: nobody wants it */
+    unsigned wanted;         /* SESSION_FOR_... of this step; 0: no Frame is made */
     uint64_t latest_wall_ns; /* when the last Frame went into "latest" */
     uint64_t lost;           /* Frames that the network did not take */
     struct tally *tallies;   /* of each robot */
@@ -172,7 +170,7 @@ struct session {
     struct engine *engine;
     struct run_hash *hash;
     struct bus *bus;
-    struct order_queue *orders;    /* those of this step, and of later ones */
+    struct order_queue *orders;    /* that are due in this step, or later */
     char name[MU_PROCESS_MAX + 1]; /* also its partition */
     struct bus_writer roster, answers;
     struct bus_reader registrations, ups, deliveries, commands;
@@ -184,130 +182,127 @@ struct session {
     struct session_process *processes; /* MU_PROCESSES_MAX */
     uint32_t process_count;
     muster_Percept *percepts; /* one for each robot, in order of process */
-    muster_Percept *bodies; /* what those see who watch: every robot's pose, in the world's order */
+    muster_Percept *bodies;   /* for watchers: the pose of every robot, in the order of the world */
     enum phase phase;
     uint32_t refused; /* events that the phase does not allow */
     int64_t step;
     int64_t mail_step; /* the last step whose Delivery is in */
-    /* Digests of the mails from outside, of even and of odd steps: the broker may be a step ahead.
-     */
+    /* Digests of mail from outside, of even and odd steps: the broker may be a step ahead. */
     unsigned char outside[2][RUN_HASH_BYTES];
     uint32_t answers_missing;
     int64_t sent_step;       /* the last step that went out */
-    int64_t recorded;        /* the first step that the hash and the tracks do not have yet */
+    int64_t recorded;        /* the first step that is not yet in the hash and the tracks */
     unsigned char *snapshot; /* room for one */
-    int64_t pace_step;       /* since when, and since which step, it goes at this rate */
+    int64_t pace_step;       /* the step and the wall time since which the rate holds */
     uint64_t pace_wall_ns;
     uint64_t first_step_wall_ns, last_step_wall_ns;
     uint64_t skipped;
-    bool roster_due;         /* the network has refused it */
-    uint32_t roster_readers; /* that it had found when it was told, in free running */
+    bool roster_due;         /* the network has refused the roster, and it goes out again */
+    uint32_t roster_readers; /* in free running: matched when it was told last */
     struct session_status status;
     struct session_observe observe;
     char waits_for[1024];
     char hash_text[RUN_HASH_TEXT];
 };
 
-/* --- roster.c: who belongs to the run --------------------------------------------------------- */
+/* --- roster.c: the processes of a run --------------------------------------------------------- */
 
 /** @return the index of the process of that name, or -1 */
 int32_t roster_process(const struct session *s, const char *name);
 
-/** Takes who controls or watches what, and who has gone. */
+/** Takes a registration: what a process controls, watches or hosts, or that it has gone. */
 void roster_register(struct session *s, const muster_Registration *r, enum bus_life life);
 
-/** While steps of a lock step run: notes who dies and, while it is held, who comes. */
+/** Takes a registration while a lock step runs: losses, returns, claims and, in a hold, successors.
+ */
 void roster_hear(struct session *s, const muster_Registration *r, enum bus_life life);
 
-/** Greets the processes that have come.  @return whether everybody is there; waits_for says who is
- * not */
+/** Greets new processes.  @return whether all processes are there; waits_for names the missing */
 bool roster_is_complete(struct session *s);
 
-/** Tells the broker which processes make the lock step, or that there is none any more. */
+/** Tells the broker the processes of the lock step, or that it has ended. */
 MU_MUST_USE mu_result roster_tell(struct session *s, bool lockstep);
 
 /** Lays the percepts out so that each process's robots stand together. */
 void roster_lay_out(struct session *s);
 
-/** Drops the processes that neither control nor watch anything. */
+/** Drops processes that have no agent and no role. */
 void roster_prune(struct session *s);
 
-/** Goes on without those who are gone, have no robot and have not answered. */
+/** Leaves out processes that are lost, have not answered, and are not needed. */
 void roster_leave_out(struct session *s);
 
-/** What those have done whose process is no more, and who were disposed of: nothing. */
+/** Digests the step for agents of a process that were disposed of: they do nothing. */
 void roster_rest(struct session *s, uint32_t process);
 
-/** Between two steps: those who have moved are with their new processes. */
+/** Between two steps: moves agents to their next processes. */
 void roster_change_processes(struct session *s);
 
 /* --- agents.c: which process each agent lives in ---------------------------------------------- */
 
-/** Takes memory, and the robots of a world, which must live as long. */
+/** Takes memory at start-up, and the robots of a world. */
 void agents_open(struct session_agents *a, const struct world *world);
 
-/** @return the one of that name that takes part in this step, or NULL */
+/** @return the agent of that name that takes part in this step, or NULL */
 struct session_agent *agents_find(const struct session_agents *a, const char *name);
 
 /**
- * From the next step on an agent lives in that process, or at once if it had none.  One that is not
- * known has no body, and begins with the next step.
+ * Moves an agent to a process with the next step, or at once if it has none.  An unknown name
+ * becomes an agent without a body, which begins with the next step.
  *
- * @param process  -1: it has died since
+ * @param process  -1: it has died meanwhile
  * @return MU_OK, or MU_FULL: more than MU_CAPSULES_MAX begin in one step, or too many live
  */
 MU_MUST_USE mu_result agents_seat(struct session_agents *a, const char *name, int32_t process);
 
-/** A process has another index now; -1: it is dead, and its agents have none.  One that was to move
- * lives where it was to go. */
+/** Changes the index of a process; to -1: it is dead.  An agent that was to leave it moves at once.
+ */
 void agents_renumber(struct session_agents *a, int32_t from, int32_t to);
 
-/** @return the process that an agent lives in from the next step on; -1: none */
+/** @return the process of an agent from the next step on; -1: none */
 int32_t agents_home(const struct session_agent *agent);
 
-/** @return whether an agent lives in a process, or is to */
+/** @return whether an agent lives in a process, or will with the next step */
 bool agents_live_in(const struct session_agents *a, int32_t process);
 
-/** Between two steps: agents with a body that move have moved. */
+/** Between two steps: moves agents with a body. */
 void agents_move_robots(struct session_agents *a);
 
-/** Between two steps, for those without a body: the coming are in, the moving have moved, and those
- * that have ended are out. */
+/** Between two steps: moves agents without a body, removes those that have ended, adds those that
+ * begin. */
 void agents_settle(struct session_agents *a);
 
 /* --- member.c: the states of a process -------------------------------------------------------- */
 
 /**
- * Applies an event to a process.
+ * Applies an event to a process.  Aborts if its state refuses one of the session's own events.
  *
- * @return false: its state refuses that of a peer, which is counted.  One of the session's own that
- *         is refused ends the program.
+ * @return false: its state refuses an event of a peer, which is counted
  */
 bool member_on(struct session_process *p, enum member_event event);
 
-/** Another process claims what a process has.  A process does not claim its own. */
+/** Applies the claim of another process.  A process does not claim its own place. */
 void member_claim(struct session_process *p, const char *claimer);
 
-/** A process is gone: what it claimed is not contested any more. */
+/** Ends a claim, as its claimer is gone. */
 void member_claim_ends(struct session_process *p, const char *claimer);
 
-/** @return whether it gets each step, which waits for its answer */
+/** @return whether steps go to it and wait for its answer */
 bool member_is_in_steps(const struct session_process *p);
 
-/** @return whether the run needs it, even if it has no agent: it watches as resolvers do */
+/** @return whether the run needs it without an agent, as it does a resolver */
 bool member_is_needed(const struct session_process *p);
 
 /* --- phase.c: the states of a run ------------------------------------------------------------- */
 
 /**
- * Applies an event to a run.
+ * Applies an event to a run.  Aborts if the phase refuses one of the session's own events.
  *
- * @return false: the phase refuses that of a peer, which is counted.  One of the session's own that
- *         is refused ends the program.
+ * @return false: the phase refuses an event of a peer, which is counted
  */
 bool phase_on(struct session *s, enum phase_event event);
 
-/** Takes note of a signal.  @return whether the run is to end */
+/** Takes a signal into account.  @return whether the run is ending */
 bool phase_ends(struct session *s);
 
 /** @return whether the first step has begun */
@@ -321,7 +316,7 @@ muster_RunState phase_word(const struct session *s);
 
 /* --- inbox.c: what comes in ------------------------------------------------------------------- */
 
-/** Takes what has come on every topic. */
+/** Takes all samples that have come. */
 void inbox_take(struct session *s);
 
 /* --- percepts.c: what goes out ---------------------------------------------------------------- */
@@ -329,21 +324,22 @@ void inbox_take(struct session *s);
 /** Puts the samples of a step together. */
 void percepts_fill_samples(struct session *s, bool last);
 
-/** Writes a process's sample.  @return false: the network is busy, and it is tried again */
+/** Writes the sample of a process.  @return false: the network is busy; percepts_retry tries again
+ */
 bool percepts_write(struct session_process *p);
 
-/** Reads the sensors that controllers ask for. */
+/** Reads the sensors that agents request. */
 void percepts_read(struct session *s);
 
 /** Sends each process its step.  @param last  no step follows */
 void percepts_send(struct session *s, bool last);
 
-/** Sends again what the network has refused.  @return whether every process has its step */
+/** Sends again what the network has refused.  @return whether all processes have the step */
 bool percepts_retry(struct session *s);
 
 /* --- commands.c: orders from outside, and answers to them ------------------------------------- */
 
-/** Takes an order from outside: one that changes the world waits for edits_apply. */
+/** Takes an order.  It waits for edits_apply, but for a change of the pace. */
 void commands_take(struct session *s, const muster_RunCommand *c);
 
 enum { REASON_MAX = 255 };
@@ -356,12 +352,12 @@ struct outcome {
 
 struct outcome commands_outcome(muster_RunOutcome result, const char *reason);
 
-/** Tells whoever sent an order what became of it. */
+/** Answers the sender of an order. */
 void commands_answer(struct session *s, const muster_RunCommand *c, const struct outcome *o);
 
-/* --- edits.c: what they do -------------------------------------------------------------------- */
+/* --- edits.c: what orders do ------------------------------------------------------------------ */
 
-/** Carries out what came from outside since the last step, and answers for it. */
+/** Carries out the orders that are due, and answers them. */
 void edits_apply(struct session *s);
 
 /* --- observe.c: what observers see; each is called at its place in a step --------------------- */
@@ -369,24 +365,24 @@ void edits_apply(struct session *s);
 /** Opens topics and takes memory. */
 MU_MUST_USE mu_result observe_open(struct session *s);
 
-/** Says once what stands in the world. */
+/** Publishes the Scene, once. */
 void observe_scene(struct session *s);
 
-/** Counts what the robots have come to, and begins the Frame of the step.  @param last  no step
- * follows */
+/** Updates the statistics of robots, and begins the Frame of a step.  @param last  no step follows
+ */
 void observe_begin(struct session *s, bool last);
 
 void observe_act(struct session *s, size_t robot, const muster_Act *act);
 void observe_outside(struct session *s, const muster_Delivery *d);
 void observe_order(struct session *s, const muster_RunCommand *order);
 
-/** Has the recording say how the run has ended, once. */
+/** Records how the run has ended, once. */
 void observe_status(struct session *s, const muster_RunStatus *status);
 
-/** Ends the Frame, before the world moves on, and tells who wants it. */
+/** Ends the Frame before the world moves on, and publishes it. */
 void observe_finish(struct session *s);
 
-/** Waits a little until the last Frames have arrived, and says if some were cut. */
+/** Waits shortly for the last Frames to arrive, and logs how many were cut. */
 void observe_close(struct session *s);
 
 /* --- status.c --------------------------------------------------------------------------------- */
@@ -394,34 +390,34 @@ void observe_close(struct session *s);
 /** Takes memory. */
 void status_open(struct session *s);
 
-/** Says how the run goes; at most every 50 ms unless always.  @return false: the network is busy */
+/** Publishes the state of the run, at most every 50 ms unless always.  @return false: the network
+ * is busy */
 bool status_tell(struct session *s, bool always);
 
 /* --- step.c: the parts of one step ------------------------------------------------------------ */
 
-/** Hashes and records the world as this step found it; done while the controllers think.  A step
- * that is broken off has found it once. */
+/** Hashes and records the world at the beginning of a step, once, while agents compute. */
 void step_record(struct session *s);
 
-/** Folds in the mails from outside that the step before this one took in. */
+/** Folds the digest of mail from outside of the last step into the hash. */
 void step_fold_outside(struct session *s);
 
-/** Carries out what the controllers have answered, and moves the world on. */
+/** Applies the answers and orders of a step, and advances the world. */
 void step_finish(struct session *s);
 
 /* --- recover.c: a process that dies and is started again -------------------------------------- */
 
-/** @return how long a step may wait for whoever is silent, by the wall */
+/** @return how long a step may wait for a silent process, by the wall clock */
 uint64_t recover_patience_ns(const struct session *s);
 
-/** @return whether this step waits for a process that has died and was started again */
+/** @return whether the step waits for a process that has a successor */
 bool recover_is_due(const struct session *s);
 
 /**
- * Holds the lock step until all that died are there again, and gives them this step.
+ * Holds the lock step until all successors are there, and gives them the step.
  *
- * @return MU_OK; MU_TIMEOUT: they did not come within return_ns, and waits_for says who; MU_DONE:
- *         the run was ended
+ * @return MU_OK; MU_TIMEOUT: they did not come within return_ns, and waits_for names them; MU_DONE:
+ * the run is ending
  */
 MU_MUST_USE mu_result recover_await(struct session *s);
 

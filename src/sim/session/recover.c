@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A process of the lock step that dies and is started again: the clock stands still until it is
- * back, and with it everybody else.  docs/lockstep.md says what is lost.
+ * Recovery of a process that dies in lock step and is started again.  The clock stands still until
+ * it is back, and all other processes wait.  docs/crashes.md says what is lost.
  */
 #include "sim/session/parts.h"
 
@@ -35,7 +35,7 @@ bool recover_is_due(const struct session *s)
     return due;
 }
 
-/* Its robots stand still, and are free for another process. */
+/* Stops the robots of a dead process, and frees its agents for its successor. */
 static void process_release(struct session *s, uint32_t process)
 {
     roster_rest(s, process);
@@ -51,7 +51,7 @@ static void process_release(struct session *s, uint32_t process)
     (void)member_on(&s->processes[process], MEMBER_RELEASES);
 }
 
-/* @return whether there are any whom the broker does not know of yet */
+/* @return whether the broker must hear of a release */
 static bool superseded_release(struct session *s)
 {
     bool any = false;
@@ -64,8 +64,8 @@ static bool superseded_release(struct session *s)
     return any;
 }
 
-/* The broker has ended this step with an answer that has not come here: in it, the robots of
- * whoever comes do nothing. */
+/* The broker has ended this step with an answer that never arrived here.  The robots of the
+ * successor do nothing in it. */
 static void step_pass(struct session *s, uint32_t process)
 {
     s->processes[process].answered = s->step;
@@ -83,7 +83,7 @@ static void step_pass(struct session *s, uint32_t process)
     }
 }
 
-/* Those who have come get the step that the others have. */
+/* Gives the current step to the processes that have joined. */
 static void steps_give(struct session *s)
 {
     bool under_way = s->sent_step == s->step;
@@ -114,7 +114,7 @@ static mu_result nobody_report(struct session *s)
     return MU_TIMEOUT;
 }
 
-/* After the last step only its mail is awaited, which the dead have no part in. */
+/* @return whether only the mail of the last step is missing, which needs no process */
 static bool is_last(const struct session *s)
 {
     return s->options.duration_ns > 0 &&
@@ -127,7 +127,7 @@ static mu_result others_await(struct session *s)
     bool told = superseded_release(s) && roster_tell(s, true) == MU_OK;
     while (true) {
         inbox_take(s);
-        told = told && !superseded_release(s); /* others may die, too */
+        told = told && !superseded_release(s); /* more processes may die meanwhile */
         told = told || roster_tell(s, true) == MU_OK;
         bool there = is_last(s) ? s->mail_step >= s->step - 1 : roster_is_complete(s);
         if (told && there) {
@@ -165,7 +165,7 @@ mu_result recover_await(struct session *s)
     percepts_fill_samples(s, false);
     steps_give(s);
     roster_tell_surely(s);
-    s->last_step_wall_ns = s->pace_wall_ns = mu_clock_ns(); /* silence counts from here, */
-    s->pace_step = s->step;                                 /* and the run's pace */
+    s->last_step_wall_ns = s->pace_wall_ns = mu_clock_ns(); /* the patience starts here, */
+    s->pace_step = s->step;                                 /* and so does the pace */
     return MU_OK;
 }

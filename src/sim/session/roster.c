@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Who belongs to the run: which process controls which robot, and who watches or hosts. */
+/* The processes of a run: which of them controls a robot, watches or hosts. */
 #include "sim/session/parts.h"
 
 #include "core/log.h"
@@ -29,7 +29,6 @@ static int32_t process_add(struct session *s, const char *name)
     return (int32_t)s->process_count++;
 }
 
-/* Lays the percepts out so that each process's robots stand together. */
 void roster_lay_out(struct session *s)
 {
     uint32_t next = 0;
@@ -54,7 +53,7 @@ void roster_lay_out(struct session *s)
     }
 }
 
-/* --- who comes and goes ----------------------------------------------------------------------- */
+/* --- registrations ---------------------------------------------------------------------------- */
 
 static bool process_holds(const struct session *s, const struct session_agent *agent,
                           const char *process)
@@ -72,7 +71,7 @@ static bool entry_take(struct session *s, const muster_Registration *r, uint32_t
     if (!agent || (!is_robot && (agent->process >= 0 || e->state == muster_STATE_ABSENT))) {
         return false;
     }
-    if (!is_robot) { /* its process has died, and it is there again */
+    if (!is_robot) { /* its process died, and its successor registers it */
         agent->process = process_add(s, r->process);
         return false;
     }
@@ -82,7 +81,7 @@ static bool entry_take(struct session *s, const muster_Registration *r, uint32_t
         agent->process = left ? -1 : agent->process;
         return left;
     }
-    /* A body that has a controller: another one must wait until that has gone. */
+    /* While a body has a controller, another one waits. */
     if (e->kind != muster_KIND_ROBOT || r->watches || (agent->process >= 0 && !holds)) {
         return false;
     }
@@ -93,7 +92,8 @@ static bool entry_take(struct session *s, const muster_Registration *r, uint32_t
     return !holds && agent->process >= 0;
 }
 
-/* A part of a process, or (lost) all of it, is no longer there. */
+/* Takes the agents of a part of a process, or of all of it if lost, from it.
+ * @return whether there were any */
 static bool process_leave(struct session *s, const muster_Registration *r, bool lost)
 {
     bool changed = false;
@@ -117,7 +117,7 @@ static bool roster_onlooks(const muster_Registration *r)
     return all;
 }
 
-/* Who only looks on is there from the start, or comes too late.
+/* A process that only looks on must come before the first step.
  * @return whether a process has begun or ceased to watch */
 static bool watcher_take(struct session *s, const muster_Registration *r, bool watches)
 {
@@ -136,7 +136,7 @@ static bool watcher_take(struct session *s, const muster_Registration *r, bool w
     return changed;
 }
 
-/* Where robots may go. */
+/* Notes a host, which agents may move to. */
 static void host_take(struct session *s, const muster_Registration *r, enum bus_life life)
 {
     int32_t process = roster_process(s, r->process);
@@ -167,7 +167,7 @@ void roster_register(struct session *s, const muster_Registration *r, enum bus_l
         if (process >= 0) {
             mu_text_copy(s->processes[process].broker, MU_NAME_MAX + 1, r->broker);
         }
-        if (process >= 0 && r->part == 0) { /* the others are not written for that */
+        if (process >= 0 && r->part == 0) { /* other parts do not report it */
             unsigned *joined = &s->processes[process].joined;
             *joined = r->ready ? *joined | MEMBER_READY : *joined & ~(unsigned)MEMBER_READY;
         }
@@ -175,13 +175,13 @@ void roster_register(struct session *s, const muster_Registration *r, enum bus_l
         changed = process_leave(s, r, life == BUS_LOST) || changed;
     }
     if (phase_has_begun(s) && s->options.free && changed) {
-        roster_lay_out(s); /* the others keep their own robots' percepts */
+        roster_lay_out(s); /* each process keeps the percepts of its own robots */
     }
 }
 
-/* --- who dies while a lock step goes on ------------------------------------------------------- */
+/* --- registrations while a lock step runs ----------------------------------------------------- */
 
-/* @return the process of an agent or of a host of that name; -1 */
+/* @return the index of the process of an agent or of a host of that name; -1: none */
 static int32_t process_of(const struct session *s, const muster_Entry *e)
 {
     const struct session_agent *agent = agents_find(&s->agents, e->name);
@@ -193,8 +193,8 @@ static int32_t process_of(const struct session *s, const muster_Entry *e)
     return process;
 }
 
-/* A process that is not in the run claims places in it.  A second watcher claims nothing, unless a
- * watcher is lost. */
+/* A process from outside the run claims the agents that it registers.  A watcher claims only a lost
+ * one: a second resolver is no successor. */
 static void claims_take(struct session *s, const muster_Registration *r)
 {
     for (uint32_t i = 0; i < r->agents._length; i++) {
@@ -238,9 +238,9 @@ void roster_hear(struct session *s, const muster_Registration *r, enum bus_life 
     }
 }
 
-/* --- is everybody there ----------------------------------------------------------------------- */
+/* --- completeness ----------------------------------------------------------------------------- */
 
-/* The first sample of a writer can come a tenth of a second late, so it is not a step's. */
+/* The first sample of a writer may arrive 0.1 s late, so an empty one goes ahead of the steps. */
 static void process_greet(struct session_process *p)
 {
     if (!(p->joined & MEMBER_GREETED) && bus_writer_reaches(&p->sense, p->name)) {
@@ -255,8 +255,7 @@ static bool process_is_ready(const struct session *s, int32_t process)
     return p->joined == MEMBER_JOINED && bus_reader_hears(&s->ups, &p->sense, p->name);
 }
 
-/* A lock step has one broker, which its Roster is for.  @return its name; "" when no robot is there
- * yet, or in free running: every broker */
+/* @return the one broker of a lock step; "": any, in free running or before a robot registers */
 static const char *broker_of(const struct session *s)
 {
     if (s->options.free) {
@@ -270,8 +269,7 @@ static const char *broker_of(const struct session *s)
     return broker ? broker : "";
 }
 
-/* Who watches, or takes in robots, belongs to the run, unless it lives with a broker that does not.
- */
+/* @return whether a process watches or hosts, at the broker of the run */
 static bool process_attends(const struct session *s, const struct session_process *p)
 {
     const char *broker = broker_of(s);
@@ -286,8 +284,7 @@ static void missing_add(struct mu_text *missing, uint32_t count, uint32_t wanted
     }
 }
 
-/* They are waited for when they have said so; how many are to come is known to whoever has started
- * them. */
+/* The run waits for those that have registered, and for as many as the options say. */
 static void attendants_await(const struct session *s, struct mu_text *missing)
 {
     uint32_t watchers = 0, hosts = 0;
@@ -303,12 +300,12 @@ static void attendants_await(const struct session *s, struct mu_text *missing)
         }
     }
     missing_add(missing, watchers, s->options.watchers, "resolvers");
-    if (!phase_has_begun(s)) { /* afterwards the run goes on without one that has died */
+    if (!phase_has_begun(s)) { /* later the run goes on without a host that died */
         missing_add(missing, hosts, s->options.hosts, "hosts");
     }
 }
 
-/* @return whether it needs a process: one that was disposed of does not */
+/* @return whether an agent needs a process: one that was disposed of does not */
 static bool agent_lives(const struct session *s, const struct session_agent *agent)
 {
     return agent->controlled && (!phase_has_begun(s) || agent->state != muster_STATE_ABSENT);
@@ -339,9 +336,8 @@ bool roster_is_complete(struct session *s)
     return missing.len == 0;
 }
 
-/* --- who is in the steps ---------------------------------------------------------------------- */
+/* --- membership in steps ---------------------------------------------------------------------- */
 
-/* Tells the broker which processes make the lock step. */
 mu_result roster_tell(struct session *s, bool lockstep)
 {
     static char *names[MU_PROCESSES_MAX];
@@ -353,7 +349,7 @@ mu_result roster_tell(struct session *s, bool lockstep)
         }
     }
     muster_Roster roster = {.simulator = s->name,
-                            .broker = (char *)(uintptr_t)broker_of(s), /* nobody writes there */
+                            .broker = (char *)(uintptr_t)broker_of(s), /* it is only read */
                             .lockstep = lockstep,
                             .step = s->step + (s->mail_step >= s->step && s->step > 0),
                             .step_ns = s->options.step_ns,
@@ -379,7 +375,7 @@ static bool process_is_used(const struct session *s, uint32_t process)
            agents_live_in(&s->agents, (int32_t)process);
 }
 
-/* What one that was disposed of answers to every step, in the words of its runtime. */
+/* Digests what the runtime answers in each step for an agent that was disposed of. */
 void roster_rest(struct session *s, uint32_t process)
 {
     static char none[1];
@@ -414,8 +410,6 @@ void roster_leave_out(struct session *s)
     }
 }
 
-/* Drops processes that neither control nor watch anything: they came and went before the first
- * step. */
 void roster_prune(struct session *s)
 {
     uint32_t kept = 0;

@@ -29,7 +29,7 @@ static mu_result topics_open(struct session *s)
     return MU_OK;
 }
 
-/* Robots that are not chosen stand in the way and do nothing. */
+/* A robot that is not chosen has no controller and stands as an obstacle. */
 static void robots_choose(struct session_agents *agents, const struct mu_option_list *names)
 {
     for (uint32_t r = 0; names->count > 0 && r < agents->robots; r++) {
@@ -115,7 +115,7 @@ mu_result session_gather(struct session *s)
     return told < 0 ? told : MU_OK;
 }
 
-/* What must not be lost: how the run ended, and that nobody waits for its steps any more. */
+/* Repeats until it is sent: how the run ended, and that its steps are over. */
 static void last_words(struct session *s)
 {
     bool told = false;
@@ -128,8 +128,8 @@ static void last_words(struct session *s)
     (void)bus_drain(&s->roster, 200000000);
 }
 
-/* Who looks has half a second for the last word.  Who has started the run must have it, and gets
- * little time on a busy machine: it is waited for. */
+/* Observers get half a second to receive the last status.  `muster run` must receive it, and may be
+ * slow on a busy machine, so it gets longer. */
 static void status_drain(struct session *s)
 {
     bool heard = bus_drain(&s->status.writer, STATUS_DRAIN_NS);

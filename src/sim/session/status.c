@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Says how the run goes. */
+/* Publishes the state of the run. */
 #include "sim/session/parts.h"
 
 #include "core/clock.h"

@@ -5,8 +5,8 @@
 #include "core/clock.h"
 #include "core/log.h"
 
-/* In free running a controller that has not answered for this long, or for three steps if they are
- * longer, has let go of its robot. */
+/* In free running a robot stops after this silence of its controller, or after three steps if they
+ * take longer. */
 static const uint64_t DEADMAN_NS = 300000000;
 
 static void body_hash(struct session *s, size_t body)
@@ -16,8 +16,6 @@ static void body_hash(struct session *s, size_t body)
     run_hash_fold(s->hash, state, sizeof state);
 }
 
-/* Hashes and records the world as this step found it; done while the controllers think.  A step
- * that is broken off has found it once. */
 void step_record(struct session *s)
 {
     if (s->step < s->recorded) {
@@ -37,7 +35,8 @@ void step_record(struct session *s)
     }
 }
 
-/* The dead-man: a speed that nobody renews for 10 steps, or whose owner is silent, is no speed. */
+/* Command timeout.  @return whether a speed still holds: it was set within the last 10 steps, and
+ * its process is not silent */
 static bool robot_is_held(const struct session *s, size_t robot, uint64_t now_ns)
 {
     int32_t process = s->agents.at[robot].process;
@@ -49,7 +48,7 @@ static bool robot_is_held(const struct session *s, size_t robot, uint64_t now_ns
     return !s->options.free || now_ns - s->processes[process].answered_wall_ns < patience_ns;
 }
 
-/* An order counts once; what cannot be done is not, and the percept shows it. */
+/* Applies an order once.  The percept shows whether the gripper could carry it out. */
 static void gripper_apply(struct session *s, size_t robot)
 {
     struct session_robot *r = &s->robots[robot];
@@ -74,7 +73,7 @@ static void commands_apply(struct session *s)
         bool held = robot_is_held(s, i, now_ns);
         double forward_m_s = held ? r->forward_m_s : 0.0;
         double turn_rad_s = held ? r->turn_rad_s : 0.0;
-        /* The border has refused what is not finite, so the engine cannot. */
+        /* inbox.c drops speeds that are not finite, so the engine accepts this one. */
         MU_ASSERT(engine_command(s->engine, i, &forward_m_s, &turn_rad_s) == MU_OK);
         r->command_forward_m_s = forward_m_s;
         r->command_turn_rad_s = turn_rad_s;
@@ -85,7 +84,6 @@ static void commands_apply(struct session *s)
     }
 }
 
-/* The mails from outside that the step before this one took in. */
 void step_fold_outside(struct session *s)
 {
     run_hash_fold(s->hash, s->outside[(s->step - 1) & 1], RUN_HASH_BYTES);
