@@ -38,7 +38,7 @@ FLOORS = {
     "sim/sensors": "sensors.h",
     "sim/engine": "engine.h",
     "sim/record": "record.h",
-    "sim/session": "parts.h",
+    "sim/session": "session.h",
     "sim": None,
     "broker/base": "base.h",
     "broker/names": "names.h",
