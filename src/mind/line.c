@@ -190,8 +190,7 @@ mu_result mind_probe(struct mind *m, const char *line, struct mu_text *out)
         return MU_ABSENT;
     }
     mu_text_init(&sink, sink_bytes, sizeof sink_bytes);
-    m->out =
-        &sink; /* a person that watches facts does not see a fact asserted for this look alone */
+    m->out = &sink; /* a watch of facts must not show one asserted for this look */
     struct probe_before before = probe_begin(m);
     m->out = out;
     bool done = probe_run(m, line);

@@ -43,8 +43,7 @@ static void field_set(struct mind *m, struct field *to, struct syntax_field f)
 /* @return the content's fields, typed; NULL: it is no list of fields */
 static struct multifield *mail_fields(struct mind *m, const char *content)
 {
-    struct syntax_field
-        few[MAIL_FIELDS_FEW]; /* most mails have no more fields, and are read once */
+    struct syntax_field few[MAIL_FIELDS_FEW]; /* of most mails all, read once */
     long count = 0;
     struct syntax_field f;
     if (strnlen(content, MU_CONTENT_MAX + 1) > MU_CONTENT_MAX) {

@@ -74,8 +74,7 @@ static void builtin_result(void *env, enum builtin which, DATA_OBJECT *out)
 
 static void builtin_parse(void *env, enum builtin which, DATA_OBJECT *out)
 {
-    percept_show(
-        environment_mind(env)); /* the text may build a pattern of the fact that was left out */
+    percept_show(environment_mind(env));         /* the text may build a pattern of it */
     static char bytes[2 * ENVIRONMENT_LINE_MAX]; /* CLIPS copies the text into a symbol at once */
     const char *text;
     struct mu_text rewritten;

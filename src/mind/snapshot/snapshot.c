@@ -225,8 +225,7 @@ mu_result snapshot_save(struct mind *m, struct mu_text *out, struct mu_fault *fa
     char head[SNAPSHOT_HEAD_MAX + 1];
     const char *why = NULL;
     mu_text_clear(out);
-    mu_text_format(out, "%*s", SNAPSHOT_HEAD_MAX,
-                   ""); /* room for the head: the checksum is known last */
+    mu_text_format(out, "%*s", SNAPSHOT_HEAD_MAX, ""); /* the checksum is known last */
     if (!body_save(m, out, &why)) {
         (void)mu_fault_at(fault, "capsule", 0, 0, "%s", why);
         return out->cut ? MU_FULL : MU_REFUSED;
@@ -286,11 +285,9 @@ static mu_result body_load(struct snapshot *c, char name[MU_NAME_MAX + 1])
     MU_TRY(rules_load(c));
     environment_begin(m);
     budget_start(m, BUDGET_MEMORY_SPARE);
-    EnvIncrementGCLocks(
-        m->env); /* no garbage collection before the values stand in facts and globals */
+    EnvIncrementGCLocks(m->env); /* values are read before a fact holds them */
     mu_result r = gensym_load(c);
-    struct snapshot globals =
-        *c; /* loaded twice: patterns use globals, and globals may hold facts */
+    struct snapshot globals = *c; /* read twice: patterns use them, and they may hold facts */
     r = r == MU_OK ? snapshot_load_globals(c) : r;
     r = r == MU_OK ? snapshot_load_facts(c) : r;
     r = r == MU_OK ? snapshot_load_globals(&globals) : r;
