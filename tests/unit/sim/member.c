@@ -226,6 +226,20 @@ static void test_patience_is_longer_while_a_process_is_lost(void)
     CU_ASSERT_EQUAL(recover_patience_ns(&s), 5);
 }
 
+/* A later recovery does not wait for it either. */
+static void test_a_process_that_was_left_out_is_not_awaited(void)
+{
+    for (uint32_t i = 0; i < s.process_count; i++) {
+        s.processes[i].joined = MEMBER_GREETED; /* and not heard yet */
+    }
+    CU_ASSERT_FALSE(roster_is_complete(&s));
+    READS(s.waits_for, "robot0 resolver.1 host.1");
+    hear("host.1", "inn", BUS_LOST);
+    (void)member_on(&s.processes[HOST], MEMBER_LEAVES_OUT);
+    CU_ASSERT_FALSE(roster_is_complete(&s));
+    READS(s.waits_for, "robot0 resolver.1");
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -241,6 +255,8 @@ int main(void)
         {"without returns nothing is claimed", test_without_returns_nothing_is_claimed},
         {"patience is longer while a process is lost",
          test_patience_is_longer_while_a_process_is_lost},
+        {"a process that was left out is not awaited",
+         test_a_process_that_was_left_out_is_not_awaited},
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"sim/member", NULL, NULL, set_up, NULL, tests}, CU_SUITE_INFO_NULL};
