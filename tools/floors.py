@@ -99,7 +99,7 @@ POINTERS = {
     "bus_wait_lending()": (1, "sets one of the bus"),
     "tap_watch_look()": (1, "a filter of topics"),
     "struct topic": (1, "the table of topics: rules of the wire"),
-    "struct counter": (1, "the table of counters: each reads its own"),
+    "struct metric": (1, "the table of counters: each reads its own"),
     "struct journal_source": (2, "the journal writes lines of tables that it does not know"),
     "struct trust_pages": (2, "the policy asks for groups and roles"),
     "struct mu_fault_listener": (1, "a program writes faults in its own log"),

@@ -34,11 +34,11 @@ struct node {
     struct disk *disk; /* NULL: without a store */
     struct bus_reader registrations, ups, rosters;
     struct bus_writer pages, events;
-    struct health health;
-    struct herald herald;
-    struct peers peers;
+    struct telemetry health;
+    struct beacon herald;
+    struct links peers;
     struct files_audit audit;
-    struct mailbags bags;
+    struct outlets bags;
     const muster_Roster *roster;        /* on loan, waits until all of its processes were heard */
     uint64_t roster_ns;                 /* since when */
     char simulator[MU_PROCESS_MAX + 1]; /* of the last roster: it gets mail and sends none */
@@ -67,9 +67,9 @@ static mu_result post_open(struct node *p, const char *name, bool on_loopback)
     MU_TRY(bus_reader_open(&p->bus, BUS_ROSTER, NULL, &p->rosters));
     MU_TRY(bus_writer_open(&p->bus, BUS_PAGES, NULL, NULL, &p->pages));
     MU_TRY(bus_writer_open(&p->bus, BUS_BROKER_EVENT, NULL, NULL, &p->events));
-    MU_TRY(mailbags_open(&p->bags, &p->bus, &p->ups, on_loopback));
-    MU_TRY(peers_open(&p->peers, &p->bus, partition));
-    return health_open(&p->health, &p->bus);
+    MU_TRY(outlets_open(&p->bags, &p->bus, &p->ups, on_loopback));
+    MU_TRY(links_open(&p->peers, &p->bus, partition));
+    return telemetry_open(&p->health, &p->bus);
 }
 
 /* --- in --------------------------------------------------------------------------------------- */
@@ -80,12 +80,12 @@ static mu_result post_open(struct node *p, const char *name, bool on_loopback)
 static bool roster_is_heard(struct node *p, const muster_Roster *roster)
 {
     for (uint32_t i = 0; roster->lockstep && i < roster->processes._length; i++) {
-        const struct mailbag *bag = mailbags_find(&p->bags, roster->processes._buffer[i]);
+        const struct outlet *bag = outlets_find(&p->bags, roster->processes._buffer[i]);
         if (!bag || bag->heard_ns == 0 || !bus_drain(&bag->writer, 0)) {
             return false;
         }
     }
-    return !roster->lockstep || mailbags_circulars_drained(&p->bags);
+    return !roster->lockstep || outlets_circulars_drained(&p->bags);
 }
 
 /* The end of a roster has the simulator's name alone. */
@@ -120,7 +120,7 @@ static void rosters_take(struct node *p)
 
 static void up_take(struct node *p, const muster_Up *up)
 {
-    struct mailbag *bag = mailbags_find(&p->bags, up->process);
+    struct outlet *bag = outlets_find(&p->bags, up->process);
     if (bag) {
         bag->heard_ns = mu_clock_ns();
     }
@@ -157,7 +157,7 @@ static void post_take(struct node *p)
 {
     registrations_take(p);
     ups_take(p);
-    peers_take(&p->peers, p->broker, post_now(p));
+    links_take(&p->peers, p->broker, post_now(p));
     rosters_take(p);
 }
 
@@ -170,7 +170,7 @@ static bool deliveries_write(struct node *p)
     muster_Delivery delivery;
     bool all = true;
     while (broker_next(p->broker, &process, &delivery)) {
-        const struct bus_writer *writer = mailbags_writer(&p->bags, process);
+        const struct bus_writer *writer = outlets_writer(&p->bags, process);
         if (!writer || bus_write(writer, &delivery) != MU_OK) {
             broker_undelivered(p->broker);
             all = false;
@@ -192,7 +192,7 @@ static void pages_publish(struct node *p)
     }
 }
 
-static void events_tell(struct node *p)
+static void alerts_tell(struct node *p)
 {
     muster_BrokerEvent event;
     while (broker_event_next(p->broker, &event)) {
@@ -242,23 +242,23 @@ static void store_write(struct node *p)
 
 static void post_round(struct node *p)
 {
-    herald_hear(&p->herald);
-    herald_tell(&p->herald, p->broker, &p->bags);
-    peers_follow(&p->peers, &p->herald.beacons, p->broker, post_now(p));
+    beacon_hear(&p->herald);
+    beacon_tell(&p->herald, p->broker, &p->bags);
+    links_follow(&p->peers, &p->herald.beacons, p->broker, post_now(p));
     post_take(p);
     bool look = mu_clock_ns() - p->looked_ns >= LOOK_NS;
-    mailbags_follow(&p->bags, p->broker);
-    bool impatient = mailbags_look(&p->bags, p->broker, p->simulator, look, post_now(p));
+    outlets_follow(&p->bags, p->broker);
+    bool impatient = outlets_look(&p->bags, p->broker, p->simulator, look, post_now(p));
     broker_tick(p->broker, post_now(p));
     store_write(p);
-    impatient = !peers_tell(&p->peers, p->broker) || impatient;
+    impatient = !links_tell(&p->peers, p->broker) || impatient;
     impatient = !deliveries_write(p) || impatient;
     pages_publish(p);
-    events_tell(p);
+    alerts_tell(p);
     files_audit_write(&p->audit, p->broker);
     if (look) {
         p->looked_ns = mu_clock_ns();
-        health_tell(&p->health, p->broker, p->looked_ns);
+        telemetry_tell(&p->health, p->broker, p->looked_ns);
         if (p->disk) {
             disk_rest(p->disk, post_now(p));
         }
@@ -269,14 +269,14 @@ static void post_round(struct node *p)
 /* Nobody is answered while another broker of this name may be there. */
 static void doubt_settle(struct node *p, bool is_lone)
 {
-    struct herald *h = &p->herald;
+    struct beacon *h = &p->herald;
     uint64_t until_ns = post_now(p) + DOUBT_NS;
     while (!is_lone && !h->yields && !signal_came && post_now(p) < until_ns) {
-        herald_hear(h);
-        herald_tell(h, p->broker, &p->bags);
+        beacon_hear(h);
+        beacon_tell(h, p->broker, &p->bags);
         bus_wait(&p->bus, 1, IMPATIENT_NS);
     }
-    herald_be_sure(h);
+    beacon_be_sure(h);
 }
 
 /* Joins the network.  @return MU_EXIT_DONE, or the exit code, explained */
@@ -295,7 +295,7 @@ static int network_join(struct node *p, const struct mu_network *network,
     }
     bool on_loopback = config_is_loopback(network->interface);
     bool joined = opened == MU_OK && post_open(p, broker->name, on_loopback) == MU_OK &&
-                  herald_open(&p->herald, &p->bus, broker) == MU_OK;
+                  beacon_open(&p->herald, &p->bus, broker) == MU_OK;
     return joined ? MU_EXIT_DONE : MU_EXIT_DDS;
 }
 
@@ -324,8 +324,8 @@ int main(int argc, char **argv)
     struct node *p = mu_startup_alloc(sizeof *p);
     p->began_ns = mu_clock_ns();
     const struct mu_network *network = &settings.network;
-    struct opening opening = {0};
-    code = opening_run(&opening, &settings, name);
+    struct startup opening = {0};
+    code = startup_run(&opening, &settings, name);
     p->broker = opening.broker;
     p->disk = opening.disk;
     p->audit = opening.audit;
@@ -343,9 +343,9 @@ int main(int argc, char **argv)
     while (!signal_came && !p->herald.yields) {
         post_round(p);
     }
-    herald_close(&p->herald);
+    beacon_close(&p->herald);
     if (!p->herald.yields) {
-        health_close(&p->health, p->broker);
+        telemetry_close(&p->health, p->broker);
     }
     bus_close(&p->bus);
     if (p->disk) {

@@ -18,7 +18,7 @@
 
 struct broker;
 
-/* --- runclock.c ------------------------------------------------------------------------------ */
+/* --- clock.c --------------------------------------------------------------------------------- */
 
 /*
  * The two times that mail knows.
@@ -28,7 +28,7 @@ struct broker;
  * else with the broker's clock.
  */
 
-struct runclock {
+struct clock {
     uint64_t now_ns; /* the broker's clock, as last told */
     bool lockstep;
     bool runs;             /* a run has started */
@@ -38,28 +38,28 @@ struct runclock {
 };
 
 /** Takes note of the broker's clock; an earlier time than the last one counts as the last one. */
-void runclock_set_now(struct runclock *c, uint64_t now_ns);
+void clock_set_now(struct clock *c, uint64_t now_ns);
 
 /** A run is at this time now, and goes on in lock step or with the broker's clock. */
-void runclock_start(struct runclock *c, bool lockstep, uint64_t run_ns);
+void clock_start(struct clock *c, bool lockstep, uint64_t run_ns);
 
 /** In lock step: a step ends at this time. */
-void runclock_step(struct runclock *c, uint64_t run_ns);
+void clock_step(struct clock *c, uint64_t run_ns);
 
 /** @return the run's time; 0 when none has started */
-uint64_t runclock_run_ns(const struct runclock *c);
+uint64_t clock_run_ns(const struct clock *c);
 
 /** @return the mail clock's time */
-uint64_t runclock_mail_ns(const struct runclock *c);
+uint64_t clock_mail_ns(const struct clock *c);
 
 /** Out of lock step: when the broker's clock shows this time of the mail clock or of the run. */
-uint64_t runclock_now_of_mail_ns(const struct runclock *c, uint64_t mail_ns);
-uint64_t runclock_now_of_run_ns(const struct runclock *c, uint64_t run_ns);
+uint64_t clock_now_of_mail_ns(const struct clock *c, uint64_t mail_ns);
+uint64_t clock_now_of_run_ns(const struct clock *c, uint64_t run_ns);
 
 /** @return nanoseconds since 1970 */
-uint64_t runclock_wall_ns(const struct broker *b);
+uint64_t clock_wall_ns(const struct broker *b);
 
-/* --- changes.c ------------------------------------------------------------------------------- */
+/* --- changelog.c ----------------------------------------------------------------------------- */
 
 /*
  * The lines of a table in order of their last change: who remembers the version that it has had
@@ -72,74 +72,74 @@ struct change {
     bool gone;           /* in the list of those that are no more */
 };
 
-struct changes {
+struct changelog {
     struct change *lines; /* one for each line of the table */
     uint32_t first, last; /* the oldest, the youngest */
     uint64_t version;     /* of the last change; the first is 1 */
-    uint32_t *gone;       /* lines that are no more, until changes_gone has told of them */
+    uint32_t *gone;       /* lines that are no more, until changelog_gone has told of them */
     uint32_t gone_count;
 };
 
 /** Takes memory at start-up. */
-void changes_init(struct changes *c, uint32_t capacity);
+void changelog_init(struct changelog *c, uint32_t capacity);
 
 /** A line has changed, or is new: it is now the youngest. */
-void changes_touch(struct changes *c, uint32_t line);
+void changelog_touch(struct changelog *c, uint32_t line);
 
 /** @return the version at which the line last changed; 0: never, or it is no more */
-uint64_t changes_version(const struct changes *c, uint32_t line);
+uint64_t changelog_version(const struct changelog *c, uint32_t line);
 
-/** A line is no more; changes_gone tells of that, and nothing else does. */
-void changes_remove(struct changes *c, uint32_t line);
+/** A line is no more; changelog_gone tells of that, and nothing else does. */
+void changelog_remove(struct changelog *c, uint32_t line);
 
 /** @return a line that is no more, or was not for a while, each once; or MU_NONE */
-uint32_t changes_gone(struct changes *c);
+uint32_t changelog_gone(struct changelog *c);
 
 /** @return the oldest line that changed after that version, or MU_NONE; costs O(changes since) */
-uint32_t changes_after(const struct changes *c, uint64_t version);
+uint32_t changelog_after(const struct changelog *c, uint64_t version);
 
 /** @return the line that changed next after this one, or MU_NONE */
-uint32_t changes_next(const struct changes *c, uint32_t line);
+uint32_t changelog_next(const struct changelog *c, uint32_t line);
 
-/* --- pacer.c --------------------------------------------------------------------------------- */
+/* --- limiter.c ------------------------------------------------------------------------------- */
 
 /*
  * Slows down who presses: a sender whose mail does not get through is told so at once, and then at
- * most every PACER_PAUSE_NS.
+ * most every LIMITER_PAUSE_NS.
  *
  * A sender has a bounded number of mails without an answer, so that the pause bounds its rate.
  * Nobody else waits for anything.
  */
 
-enum { PACER_PAUSE_NS = 100000000 };
+enum { LIMITER_PAUSE_NS = 100000000 };
 
 struct paced {
     uint64_t until_ns; /* not told anything but good news before this */
     bool queued;       /* there is something to tell then */
 };
 
-struct pacer {
+struct limiter {
     struct paced *agents; /* one for each agent of the registry */
     uint32_t *ring;       /* those in the queue, each once */
     uint32_t size;        /* of both */
     uint32_t head, count;
 };
 
-void pacer_init(struct pacer *p, uint32_t agents);
+void limiter_init(struct limiter *p, uint32_t agents);
 
 /**
- * Says whether to tell an agent bad news later: then pacer_next gives it when it is time.  From now
- * on it is told such at most every PACER_PAUSE_NS.
+ * Says whether to tell an agent bad news later: then limiter_next gives it when it is time.  From
+ * now on it is told such at most every LIMITER_PAUSE_NS.
  */
-bool pacer_holds(struct pacer *p, uint32_t agent, uint64_t now_ns);
+bool limiter_holds(struct limiter *p, uint32_t agent, uint64_t now_ns);
 
 /** @return the next agent that may be told now, or MU_NONE */
-uint32_t pacer_next(struct pacer *p, uint64_t now_ns);
+uint32_t limiter_next(struct limiter *p, uint64_t now_ns);
 
-/** @return when pacer_next gives one, or UINT64_MAX */
-uint64_t pacer_deadline_ns(const struct pacer *p);
+/** @return when limiter_next gives one, or UINT64_MAX */
+uint64_t limiter_deadline_ns(const struct limiter *p);
 
-/* --- events.c -------------------------------------------------------------------------------- */
+/* --- alerts.c -------------------------------------------------------------------------------- */
 
 /*
  * What goes wrong with mail, for whoever looks: told soon, and not more often than is useful.
@@ -150,18 +150,18 @@ uint64_t pacer_deadline_ns(const struct pacer *p);
 
 enum { EVENTS_PAUSE_NS = 100000000 };
 
-enum event_kind { EVENT_BOX_FULL, EVENT_DROPPED, EVENT_OVER_SHARE, EVENT_REFUSED, EVENT_KINDS };
+enum alert_kind { ALERT_BOX_FULL, ALERT_DROPPED, ALERT_OVER_SHARE, ALERT_REFUSED, ALERT_KINDS };
 
-struct event {
+struct alert {
     uint32_t agent;  /* whose box; the broker itself: its store, or its trust policy */
     uint32_t sender; /* of the last one */
     uint64_t count;  /* since it was told last; 0: nothing to tell */
     uint64_t at_ns;  /* of the last one, by the broker's clock */
-    enum event_kind kind;
+    enum alert_kind kind;
 };
 
-struct events {
-    struct event *all; /* EVENT_KINDS for each agent of the registry */
+struct alerts {
+    struct alert *all; /* ALERT_KINDS for each agent of the registry */
     uint32_t *ring;    /* of those to be told, each once */
     uint32_t size;     /* of both */
     uint32_t head, count;
@@ -169,18 +169,18 @@ struct events {
     uint64_t pause_until_ns;
 };
 
-void events_init(struct events *e, uint32_t agents);
+void alerts_init(struct alerts *e, uint32_t agents);
 
 /** One more of a kind. */
-void events_note(struct events *e, const struct event *event);
+void alerts_note(struct alerts *e, const struct alert *event);
 
 /** Gives what may be told now.  @return false when there is nothing */
-bool events_next(struct events *e, uint64_t now_ns, struct event *out);
+bool alerts_next(struct alerts *e, uint64_t now_ns, struct alert *out);
 
 /** @return the word for a kind, as tools see it */
-const char *events_kind_word(enum event_kind kind);
+const char *alerts_kind_word(enum alert_kind kind);
 
-/* --- border.c -------------------------------------------------------------------------------- */
+/* --- validate.c ------------------------------------------------------------------------------ */
 
 /*
  * Checks of everything that comes from the network, made once; behind it, samples can be trusted
@@ -188,30 +188,30 @@ const char *events_kind_word(enum event_kind kind);
  */
 
 /** @return whether s is a string of at most max bytes */
-bool border_string(const char *s, size_t max);
+bool validate_string(const char *s, size_t max);
 
 /** Checks the frame of a Registration; its entries are looked at one by one. */
-bool border_registration(const muster_Registration *r);
+bool validate_registration(const muster_Registration *r);
 
 /** @return whether what is said of an agent fits; its name may still be no good one */
-bool border_entry(const muster_Entry *e, bool of_a_broker);
+bool validate_entry(const muster_Entry *e, bool of_a_broker);
 
-bool border_roster(const muster_Roster *r);
+bool validate_roster(const muster_Roster *r);
 
 /** Checks the frame of an Up; its mails are looked at one by one. */
-bool border_up(const muster_Up *up);
+bool validate_up(const muster_Up *up);
 
 /** Checks all of a mail but its sender. */
-bool border_mail(const muster_Mail *m);
+bool validate_mail(const muster_Mail *m);
 
 /** @return whether a process may have that name, which is a DDS partition, too */
-bool border_process_name(const char *name);
+bool validate_process_name(const char *name);
 
 /** Words that people and rules see; NULL when out of range. */
-const char *border_kind_word(muster_Kind kind);
-const char *border_state_word(muster_State state);
+const char *validate_kind_word(muster_Kind kind);
+const char *validate_state_word(muster_State state);
 
-/* --- share.c --------------------------------------------------------------------------------- */
+/* --- quota.c --------------------------------------------------------------------------------- */
 
 /*
  * A sender's fair share of what all of them use together.
@@ -223,16 +223,16 @@ const char *border_state_word(muster_State state);
  */
 
 /* What somebody holds, or wants to. */
-struct share_use {
+struct quota_use {
     uint32_t mails;
     uint32_t bytes; /* of the store */
     uint32_t posts; /* places in boxes */
 };
 
-enum share_answer {
-    SHARE_FITS,
-    SHARE_FULL, /* all senders together leave no room */
-    SHARE_OVER  /* there may be room, but this sender has had its share */
+enum quota_answer {
+    QUOTA_FITS,
+    QUOTA_FULL, /* all senders together leave no room */
+    QUOTA_OVER  /* there may be room, but this sender has had its share */
 };
 
 /**
@@ -242,31 +242,31 @@ enum share_answer {
  * @param most   what all may hold together
  * @param floor  so much is within a sender's share whatever is free
  */
-enum share_answer share_ask(const struct share_use *own, const struct share_use *all,
-                            const struct share_use *want, const struct share_use *most,
-                            const struct share_use *floor);
+enum quota_answer quota_ask(const struct quota_use *own, const struct quota_use *all,
+                            const struct quota_use *want, const struct quota_use *most,
+                            const struct quota_use *floor);
 
-void share_add(struct share_use *use, const struct share_use *more);
-void share_subtract(struct share_use *use, const struct share_use *less);
+void quota_add(struct quota_use *use, const struct quota_use *more);
+void quota_subtract(struct quota_use *use, const struct quota_use *less);
 
 /* The store's accounts.  Those of the lock step are apart: what others send by the wall clock does
  * not change what a sender in it may send. */
-enum share_side { SHARE_OUTSIDE, SHARE_LOCKSTEP, SHARE_SIDES };
+enum quota_side { QUOTA_OUTSIDE, QUOTA_LOCKSTEP, QUOTA_SIDES };
 
 /* What both sides can hold together: others may have filled the store when a lock step begins, and
  * that has its half all the same. */
 enum {
-    SHARE_MAILS_MAX = MU_MAILS_MAX + MU_MAILS_MAX / 2,
-    SHARE_BYTES_MAX = MU_MAIL_BYTES_MAX + MU_MAIL_BYTES_MAX / 2,
-    SHARE_POSTS_MAX = MU_POSTS_MAX + MU_POSTS_MAX / 2
+    QUOTA_MAILS_MAX = MU_MAILS_MAX + MU_MAILS_MAX / 2,
+    QUOTA_BYTES_MAX = MU_MAIL_BYTES_MAX + MU_MAIL_BYTES_MAX / 2,
+    QUOTA_POSTS_MAX = MU_POSTS_MAX + MU_POSTS_MAX / 2
 };
 
-struct share_accounts {
-    struct share_use *senders[SHARE_SIDES]; /* one for each agent of the registry */
-    struct share_use all[SHARE_SIDES];
+struct quota_accounts {
+    struct quota_use *senders[QUOTA_SIDES]; /* one for each agent of the registry */
+    struct quota_use all[QUOTA_SIDES];
 };
 
-void share_init(struct share_accounts *a, uint32_t agents);
+void quota_init(struct quota_accounts *a, uint32_t agents);
 
 /**
  * Books a mail on its sender's account, if that may be.
@@ -275,8 +275,8 @@ void share_init(struct share_accounts *a, uint32_t agents);
  * has more
  * @param urgent  a directive: it has no share, and a reserve that no other mail can take
  */
-enum share_answer share_book(struct share_accounts *a, enum share_side side, uint32_t sender,
-                             const struct share_use *want, bool halved, bool urgent);
+enum quota_answer quota_book(struct quota_accounts *a, enum quota_side side, uint32_t sender,
+                             const struct quota_use *want, bool halved, bool urgent);
 
 /**
  * Books a mail that had its room in an earlier life, on whichever account has room for it.
@@ -284,14 +284,14 @@ enum share_answer share_book(struct share_accounts *a, enum share_side side, uin
  * @param side  out: that account
  * @return false: neither has
  */
-bool share_restore(struct share_accounts *a, enum share_side *side, uint32_t sender,
-                   const struct share_use *want);
+bool quota_restore(struct quota_accounts *a, enum quota_side *side, uint32_t sender,
+                   const struct quota_use *want);
 
 /** Takes back some of what was booked. */
-void share_unbook(struct share_accounts *a, enum share_side side, uint32_t sender,
-                  const struct share_use *less);
+void quota_unbook(struct quota_accounts *a, enum quota_side side, uint32_t sender,
+                  const struct quota_use *less);
 
-/* --- store.c --------------------------------------------------------------------------------- */
+/* --- pool.c ---------------------------------------------------------------------------------- */
 
 /*
  * The mails themselves: each is kept once, however many receivers it has.
@@ -305,25 +305,25 @@ void share_unbook(struct share_accounts *a, enum share_side side, uint32_t sende
 /* Text in a sample that is about to be written. */
 
 enum {
-    STORE_SLAB_BYTES = 64 * 1024,
-    STORE_SLABS = (SHARE_BYTES_MAX + MU_STEP_BYTES_MAX) / STORE_SLAB_BYTES,
-    STORE_CLASSES = 8,
-    STORE_RECORD_MAX = 21824, /* bytes that the largest mail takes: three to a slab */
+    POOL_SLAB_BYTES = 64 * 1024,
+    POOL_SLABS = (QUOTA_BYTES_MAX + MU_STEP_BYTES_MAX) / POOL_SLAB_BYTES,
+    POOL_CLASSES = 8,
+    POOL_RECORD_MAX = 21824, /* bytes that the largest mail takes: three to a slab */
 };
 
-/* The two schedules that a mail may stand in; see schedule.h. */
-enum schedule_kind { SCHEDULE_DUE, SCHEDULE_EXPIRY, SCHEDULE_KINDS };
+/* The two schedules that a mail may stand in; see timers.h. */
+enum timers_kind { TIMERS_DUE, TIMERS_EXPIRY, TIMERS_KINDS };
 
 struct mail {
-    muster_Mail letter;             /* its strings lie behind this record */
-    struct mail *next;              /* in a list of mails that wait for the end of a step */
-    struct mail *journal_next;      /* in the list of what is to be written to disk */
-    struct mail *journal_same;      /* in a chain of durable mails whose names have one hash */
-    uint64_t row;                   /* on disk; 0: it is not durable */
-    uint64_t at_ns[SCHEDULE_KINDS]; /* of the run; of the broker's clock */
-    uint32_t place[SCHEDULE_KINDS]; /* in the schedule's heap; MU_NONE: not there */
-    uint64_t order;                 /* in which mails were routed */
-    uint32_t sender;                /* an index of the registry */
+    muster_Mail letter;           /* its strings lie behind this record */
+    struct mail *next;            /* in a list of mails that wait for the end of a step */
+    struct mail *journal_next;    /* in the list of what is to be written to disk */
+    struct mail *journal_same;    /* in a chain of durable mails whose names have one hash */
+    uint64_t row;                 /* on disk; 0: it is not durable */
+    uint64_t at_ns[TIMERS_KINDS]; /* of the run; of the broker's clock */
+    uint32_t place[TIMERS_KINDS]; /* in the schedule's heap; MU_NONE: not there */
+    uint64_t order;               /* in which mails were routed */
+    uint32_t sender;              /* an index of the registry */
     uint32_t only;      /* its one receiver, by another broker's word; MU_NONE: as dst says */
     uint32_t kept_for;  /* the one that a lock step keeps it for; MU_NONE: for many, or unknown */
     uint32_t payer;     /* whose share it takes: the sender's, or who asked for it */
@@ -333,10 +333,10 @@ struct mail {
     uint32_t uses;      /* freed at 0 */
     uint32_t bytes;
     uint32_t size_class;
-    struct mail *older, *newer;     /* of those that wait in boxes; see ages.h */
+    struct mail *older, *newer;     /* of those that wait in boxes; see arrivals.h */
     uint64_t came_ns;               /* on the mail clock */
-    struct share_use booked;        /* on its sender's account */
-    struct share_use booked_veiled; /* for those outside, on its sender's account there */
+    struct quota_use booked;        /* on its sender's account */
+    struct quota_use booked_veiled; /* for those outside, on its sender's account there */
     uint8_t side;                   /* enum share_side: the account on which it is booked */
     uint8_t answer;                 /* muster_Outcome: */
     bool answered;                  /* the last receipt for it is out */
@@ -350,7 +350,7 @@ struct mail {
     bool dropped;                   /* likewise */
 };
 
-struct store_slab {
+struct pool_slab {
     uint32_t next, prev; /* in the list of its class's slabs with room, or (next) of free slabs */
     uint32_t size_class;
     uint32_t live;   /* records in use */
@@ -358,27 +358,27 @@ struct store_slab {
     void *free;      /* records given back */
 };
 
-struct store {
+struct pool {
     unsigned char *memory;
-    struct store_slab *slabs;
+    struct pool_slab *slabs;
     uint32_t slabs_used; /* high-water mark */
     uint32_t slabs_free; /* list of slabs given back */
-    uint32_t open[STORE_CLASSES];
+    uint32_t open[POOL_CLASSES];
     uint32_t mails;
 };
 
-void store_init(struct store *s);
+void pool_init(struct pool *s);
 
 /** Copies a mail that the border has let through, with one use.  @return NULL when full */
-struct mail *store_put(struct store *s, const muster_Mail *letter);
+struct mail *pool_put(struct pool *s, const muster_Mail *letter);
 
 /** @return the bytes of the store that a mail takes */
-uint32_t store_bytes(const struct mail *m);
+uint32_t pool_bytes(const struct mail *m);
 
-void store_keep(struct mail *m);
+void pool_keep(struct mail *m);
 
 /** Ends one use; the last one frees the mail. */
-void store_release(struct store *s, struct mail *m);
+void pool_release(struct pool *s, struct mail *m);
 
 /** @return the text, for a member of a sample: idlc makes none const, and nobody writes there */
 static inline char *sample_text(const char *text)
@@ -391,12 +391,12 @@ static inline char *sample_text(const char *text)
  *
  * @return what its sender was told for good, or what he will be told; "" for nothing yet
  */
-const char *store_mail_standing(const struct mail *m);
+const char *pool_mail_standing(const struct mail *m);
 
 /** The same of a mail that comes back from the store.  @return false: there is no such word */
-bool store_mail_go_on(struct mail *m, const char *word);
+bool pool_mail_go_on(struct mail *m, const char *word);
 
-/* --- boxshare.c ------------------------------------------------------------------------------ */
+/* --- mailbox_share.c ------------------------------------------------------------------------- */
 
 /*
  * What each sender has in each box: a share for each pair of them.
@@ -407,39 +407,39 @@ bool store_mail_go_on(struct mail *m, const char *word);
  */
 
 /* The queues of mail that waits, apart from directives: low, normal, high. */
-enum { BOXSHARE_QUEUES = 3 };
+enum { MAILBOX_SHARE_QUEUES = 3 };
 
 /* A list of posts, and what they take. */
 struct post_queue {
     uint32_t head, tail, count, bytes;
 };
 
-struct boxshare {
+struct mailbox_share {
     uint32_t box, sender;
     uint32_t next; /* with the same hash, or free */
-    struct share_use use;
-    struct post_queue waiting[BOXSHARE_QUEUES]; /* the sender's part of the box's queues */
+    struct quota_use use;
+    struct post_queue waiting[MAILBOX_SHARE_QUEUES]; /* the sender's part of the box's queues */
 };
 
-struct boxshares {
-    struct boxshare *pool; /* SHARE_POSTS_MAX of them */
-    uint32_t used;         /* high-water mark */
+struct mailbox_shares {
+    struct mailbox_share *pool; /* QUOTA_POSTS_MAX of them */
+    uint32_t used;              /* high-water mark */
     uint32_t free;
     uint32_t live;
     uint32_t *heads; /* of the lists of each hash: an index and one, or 0 */
     uint32_t mask;
 };
 
-void boxshare_init(struct boxshares *p);
+void mailbox_share_init(struct mailbox_shares *p);
 
 /** @return the pair, or MU_NONE: the sender has nothing there */
-uint32_t boxshare_find(const struct boxshares *p, uint32_t box, uint32_t sender);
+uint32_t mailbox_share_find(const struct mailbox_shares *p, uint32_t box, uint32_t sender);
 
 /** Finds a pair or enters it. */
-uint32_t boxshare_get(struct boxshares *p, uint32_t box, uint32_t sender);
+uint32_t mailbox_share_get(struct mailbox_shares *p, uint32_t box, uint32_t sender);
 
 /** Forgets a pair whose use is nothing. */
-void boxshare_drop(struct boxshares *p, uint32_t pair);
+void mailbox_share_drop(struct mailbox_shares *p, uint32_t pair);
 
 /* --- mailbox.c ------------------------------------------------------------------------------- */
 
@@ -450,7 +450,7 @@ void boxshare_drop(struct boxshares *p, uint32_t pair);
  * priority, is then handed out, which gives it the box's next number, and goes when it is
  * acknowledged.  A number that has gone out on the network stays with its mail for ever.
  *
- * A box has a limit in mails and bytes; boxroom.h says what happens at it.
+ * A box has a limit in mails and bytes; mailbox_room.h says what happens at it.
  */
 
 /* Handed out beyond MU_WINDOW_MAX, and for directives alone: they reach an agent that has stopped
@@ -497,19 +497,19 @@ struct box {
     uint32_t unsaved;         /* mails of the store, acknowledged since */
     uint64_t unsaved_commits; /* so many commits had been made; see journal_room */
     uint32_t watch_next, watch_prev;
-    struct share_use use;     /* waiting, held and in flight */
+    struct quota_use use;     /* waiting, held and in flight */
     struct box_limits limits; /* 0: the broker's */
 };
 
 struct mailbox {
-    struct post *posts;  /* SHARE_POSTS_MAX of them */
+    struct post *posts;  /* QUOTA_POSTS_MAX of them */
     uint32_t posts_used; /* high-water mark */
     uint32_t posts_free;
     uint32_t posts_live;
     uint64_t base;                   /* every box counts from here */
     struct box *boxes;               /* one for each agent of the registry */
     uint32_t watch_head, watch_tail; /* the box without progress for longest is the head */
-    struct boxshares shares;
+    struct mailbox_shares shares;
     struct box_limits limits; /* of boxes that have none of their own */
 };
 
@@ -605,12 +605,12 @@ struct mail *mailbox_pop(struct mailbox *m, uint32_t agent);
 void mailbox_watch(struct mailbox *m, uint32_t agent, uint64_t now_ns);
 void mailbox_unwatch(struct mailbox *m, uint32_t agent);
 
-/* --- boxroom.c ------------------------------------------------------------------------------- */
+/* --- mailbox_room.c -------------------------------------------------------------------------- */
 
 /*
  * Whether a box has room for a mail, and what has to go if not.
  *
- * A sender has a fair share of each box (share.h).  Where the box drops mail when it is full,
+ * A sender has a fair share of each box (quota.h).  Where the box drops mail when it is full,
  * whoever is over its share makes room with its own mail, so that a flood costs nobody else
  * anything; only a box that is full of fair shares drops the mail of others.
  *
@@ -618,20 +618,20 @@ void mailbox_unwatch(struct mailbox *m, uint32_t agent);
  * directive.
  */
 
-enum boxroom {
-    BOXROOM_FITS,
-    BOXROOM_DROP, /* another mail has to go first; then ask again */
-    BOXROOM_FULL,
-    BOXROOM_OVER_SHARE
+enum mailbox_room {
+    MAILBOX_ROOM_FITS,
+    MAILBOX_ROOM_DROP, /* another mail has to go first; then ask again */
+    MAILBOX_ROOM_FULL,
+    MAILBOX_ROOM_OVER_SHARE
 };
 
 /**
  * Says whether a mail may be put into a box.
  *
- * @param victim  out, with BOXROOM_DROP: the post that has to go
+ * @param victim  out, with MAILBOX_ROOM_DROP: the post that has to go
  */
-enum boxroom boxroom_ask(struct mailbox *m, uint32_t agent, const struct mail *mail,
-                         uint32_t *victim);
+enum mailbox_room mailbox_room_ask(struct mailbox *m, uint32_t agent, const struct mail *mail,
+                                   uint32_t *victim);
 
 /* --- receipts.c ------------------------------------------------------------------------------ */
 
@@ -676,42 +676,42 @@ const struct receipt_queue *receipts_of(struct receipts *r, uint32_t agent);
 /** Removes the oldest count receipts of an agent. */
 void receipts_drop(struct receipts *r, uint32_t agent, uint32_t count);
 
-/* --- schedule.c ------------------------------------------------------------------------------ */
+/* --- timers.c -------------------------------------------------------------------------------- */
 
 /* Mails in order of a time: when they are due, or when they expire. */
 
-struct schedule {
-    struct mail **heap; /* SHARE_MAILS_MAX of them: a mail stands here once */
+struct timers {
+    struct mail **heap; /* QUOTA_MAILS_MAX of them: a mail stands here once */
     uint32_t count;
-    enum schedule_kind kind;
+    enum timers_kind kind;
 };
 
-void schedule_init(struct schedule *s, enum schedule_kind kind);
+void timers_init(struct timers *s, enum timers_kind kind);
 
 /** Enters a mail for m->at_ns of this kind; equal times go by m->order. */
-void schedule_add(struct schedule *s, struct mail *m);
+void timers_add(struct timers *s, struct mail *m);
 
 /** Takes a mail out, if it is in. */
-void schedule_remove(struct schedule *s, struct mail *m);
+void timers_remove(struct timers *s, struct mail *m);
 
 /** @return the earliest mail, or NULL */
-struct mail *schedule_first(const struct schedule *s);
+struct mail *timers_first(const struct timers *s);
 
-/* --- ages.c ---------------------------------------------------------------------------------- */
+/* --- arrivals.c ------------------------------------------------------------------------------ */
 
 /* Mails that wait in boxes, in the order in which they came: the oldest is always at hand. */
 
-struct ages {
+struct arrivals {
     struct mail *oldest, *newest;
 };
 
 /** A mail waits from now on; mail_ns is the mail clock's time and never less than the last. */
-void ages_add(struct ages *a, struct mail *m, uint64_t mail_ns);
+void arrivals_add(struct arrivals *a, struct mail *m, uint64_t mail_ns);
 
 /** It waits no more. */
-void ages_remove(struct ages *a, struct mail *m);
+void arrivals_remove(struct arrivals *a, struct mail *m);
 
 /** @return how long the oldest has waited; 0 when none waits */
-uint64_t ages_oldest_ns(const struct ages *a, uint64_t mail_ns);
+uint64_t arrivals_oldest_ns(const struct arrivals *a, uint64_t mail_ns);
 
 #endif

@@ -6,9 +6,9 @@
 void mailbox_init(struct mailbox *m, uint32_t agents)
 {
     *m = (struct mailbox){.posts_free = MU_NONE, .watch_head = MU_NONE, .watch_tail = MU_NONE};
-    m->posts = mu_startup_array(SHARE_POSTS_MAX, sizeof *m->posts);
+    m->posts = mu_startup_array(QUOTA_POSTS_MAX, sizeof *m->posts);
     m->boxes = mu_startup_array(agents, sizeof *m->boxes);
-    boxshare_init(&m->shares);
+    mailbox_share_init(&m->shares);
     mailbox_set_defaults(m, muster_BOX_REFUSE_NEW, 0, 0);
 }
 
@@ -158,7 +158,7 @@ static uint32_t post_take(struct mailbox *m)
     uint32_t post = m->posts_free;
     if (post != MU_NONE) {
         m->posts_free = mailbox_next(m, post);
-    } else if (m->posts_used < SHARE_POSTS_MAX) {
+    } else if (m->posts_used < QUOTA_POSTS_MAX) {
         post = m->posts_used++;
     } else {
         return MU_NONE;
@@ -170,12 +170,12 @@ static uint32_t post_take(struct mailbox *m)
 static void post_give(struct mailbox *m, uint32_t post)
 {
     struct post *p = &m->posts[post];
-    struct share_use less = {.mails = 1, .bytes = p->mail->bytes};
+    struct quota_use less = {.mails = 1, .bytes = p->mail->bytes};
     p->mail->veiled -= p->veiled;
-    share_subtract(&m->boxes[p->agent].use, &less);
-    share_subtract(&m->shares.pool[p->pair].use, &less);
+    quota_subtract(&m->boxes[p->agent].use, &less);
+    quota_subtract(&m->shares.pool[p->pair].use, &less);
     if (m->shares.pool[p->pair].use.mails == 0) {
-        boxshare_drop(&m->shares, p->pair);
+        mailbox_share_drop(&m->shares, p->pair);
     }
     if (p->sibling_prev == MU_NONE) {
         p->mail->posts = p->sibling_next;
@@ -208,14 +208,14 @@ mu_result mailbox_put(struct mailbox *m, uint32_t agent, struct mail *mail, bool
                                    .sibling_next = mail->posts,
                                    .sibling_prev = MU_NONE,
                                    .agent = agent,
-                                   .pair = boxshare_get(&m->shares, agent, mail->payer)};
+                                   .pair = mailbox_share_get(&m->shares, agent, mail->payer)};
     if (mail->posts != MU_NONE) {
         m->posts[mail->posts].sibling_prev = post;
     }
     mail->posts = post;
-    struct share_use more = {.mails = 1, .bytes = mail->bytes};
-    share_add(&box->use, &more);
-    share_add(&m->shares.pool[m->posts[post].pair].use, &more);
+    struct quota_use more = {.mails = 1, .bytes = mail->bytes};
+    quota_add(&box->use, &more);
+    quota_add(&m->shares.pool[m->posts[post].pair].use, &more);
     list_append(m, box, post, held ? POST_HELD : mailbox_queue(mail));
     return MU_OK;
 }

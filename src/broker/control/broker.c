@@ -24,7 +24,7 @@ static void broker_enlist(struct broker *b, const struct broker_options *options
         char name[MU_NAME_MAX + 1];
         struct mu_text text;
         mu_text_init(&text, name, sizeof name);
-        mu_text_format(&text, own ? "broker.%s" : "broker", counters_part_name(own));
+        mu_text_format(&text, own ? "broker.%s" : "broker", metrics_part_name(own));
         uint32_t index = registry_add(&b->registry, name);
         MU_ASSERT(index == own);
         registry_seat(&b->registry, own, MU_NONE, "", &is, options->wall_ns);
@@ -42,29 +42,29 @@ struct broker *broker_open(const struct broker_options *options)
     b->resend_after_ns = options->resend_after_ns ? options->resend_after_ns : RESEND_AFTER_NS;
     b->hold_ns = options->hold_ns ? options->hold_ns : HOLD_NS;
     registry_init(&b->registry);
-    places_init(&b->places);
+    processes_init(&b->processes);
     claims_init(&b->claims);
-    store_init(&b->store);
-    schedule_init(&b->due, SCHEDULE_DUE);
-    schedule_init(&b->expiry, SCHEDULE_EXPIRY);
-    schedule_init(&b->replays, SCHEDULE_DUE);
+    pool_init(&b->pool);
+    timers_init(&b->due, TIMERS_DUE);
+    timers_init(&b->expiry, TIMERS_EXPIRY);
+    timers_init(&b->replays, TIMERS_DUE);
     mailbox_init(&b->mailbox, REGISTRY_MAX);
     mailbox_set_defaults(&b->mailbox, options->box_policy, options->box_mails, options->box_bytes);
-    share_init(&b->shares, REGISTRY_MAX);
-    events_init(&b->events, REGISTRY_MAX);
-    pacer_init(&b->pacer, REGISTRY_MAX);
+    quota_init(&b->quotas, REGISTRY_MAX);
+    alerts_init(&b->alerts, REGISTRY_MAX);
+    limiter_init(&b->limiter, REGISTRY_MAX);
     receipts_init(&b->receipts, REGISTRY_MAX);
     barrier_init(&b->lockstep, REGISTRY_MAX);
-    courier_init(&b->courier);
-    snapshots_init(&b->depot);
-    glances_init(&b->glances);
+    dispatch_init(&b->dispatch);
+    snapshots_init(&b->snapshots);
+    probes_init(&b->probes);
     view_init(&b->pages);
     resolve_init(&b->resolve, REGISTRY_MAX);
     trust_init(&b->trust);
     guard_attach(b);
     audit_init(&b->audit, options->audit);
-    courier_set_interval(b, options->delivery_interval_ns);
-    remote_init(&b->liaison);
+    dispatch_set_interval(b, options->delivery_interval_ns);
+    remote_init(&b->federation);
     journal_init(&b->journal, options->has_store);
     notify_attach_journal(b);
     b->mailbox.base = options->number_base;
@@ -75,14 +75,14 @@ struct broker *broker_open(const struct broker_options *options)
 /* Every call that changes something begins here. */
 static void broker_enter(struct broker *b, uint64_t now_ns)
 {
-    MU_ASSERT(b->courier.open == MU_NONE); /* the last Delivery's fate is not known yet */
-    runclock_set_now(&b->clock, now_ns);
+    MU_ASSERT(b->dispatch.open == MU_NONE); /* the last Delivery's fate is not known yet */
+    clock_set_now(&b->clock, now_ns);
 }
 
 void broker_registration(struct broker *b, const muster_Registration *r, uint64_t now_ns)
 {
     broker_enter(b, now_ns);
-    if (!border_registration(r)) {
+    if (!validate_registration(r)) {
         b->counters.malformed++;
     } else if (r->is_broker || remote_is_broker(r->process)) {
         federation_hear(b, r);
@@ -96,8 +96,8 @@ void broker_gone(struct broker *b, const char *process, uint32_t part, bool cras
 {
     broker_enter(b, now_ns);
     uint32_t place =
-        border_string(process, MU_PROCESS_MAX) ? places_find(&b->places, process) : MU_NONE;
-    if (place != MU_NONE && b->places.at[place].is_broker) {
+        validate_string(process, MU_PROCESS_MAX) ? processes_find(&b->processes, process) : MU_NONE;
+    if (place != MU_NONE && b->processes.at[place].is_broker) {
         federation_lose(b, place);
     } else if (place != MU_NONE) {
         registration_gone(b, place, part, crashed);
@@ -107,7 +107,7 @@ void broker_gone(struct broker *b, const char *process, uint32_t part, bool cras
 /* The reader is there, perhaps another one than before: it is told everything again. */
 static void place_matched(struct broker *b, uint32_t place)
 {
-    struct place *at = &b->places.at[place];
+    struct process *at = &b->processes.at[place];
     at->version_had = 0;
     if (at->rostered || at->simulator) {
         at->step_due = true;
@@ -118,53 +118,54 @@ static void place_matched(struct broker *b, uint32_t place)
 void broker_matched(struct broker *b, const char *process, bool matched, uint64_t now_ns)
 {
     broker_enter(b, now_ns);
-    if (!border_string(process, MU_PROCESS_MAX) || !border_process_name(process)) {
+    if (!validate_string(process, MU_PROCESS_MAX) || !validate_process_name(process)) {
         return;
     }
-    uint32_t place = matched ? places_get(&b->places, process) : places_find(&b->places, process);
+    uint32_t place =
+        matched ? processes_get(&b->processes, process) : processes_find(&b->processes, process);
     if (place == MU_NONE) {
         return;
     }
-    places_set_matched(&b->places, place, matched);
-    circulars_hears(b, place, false);
+    processes_set_matched(&b->processes, place, matched);
+    multicast_hears(b, place, false);
     if (matched) {
         place_matched(b, place);
         return;
     }
-    struct place *at = &b->places.at[place];
-    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
-         agent = tenants_next(&b->registry, &b->places, agent)) {
+    struct process *at = &b->processes.at[place];
+    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
+         agent = residents_next(&b->registry, &b->processes, agent)) {
         mailbox_unwatch(&b->mailbox, agent);
     }
     at->refusals_count = at->agents_count ? at->refusals_count : 0;
-    places_tidy(&b->places, place);
+    processes_tidy(&b->processes, place);
 }
 
 void broker_read_anew(struct broker *b, const char *process)
 {
-    uint32_t place = places_find(&b->places, process);
-    if (place != MU_NONE && b->places.at[place].is_broker && b->places.at[place].matched) {
+    uint32_t place = processes_find(&b->processes, process);
+    if (place != MU_NONE && b->processes.at[place].is_broker && b->processes.at[place].matched) {
         lifecycle_tell_again(b, place);
     }
 }
 
 void broker_hears(struct broker *b, const char *process)
 {
-    uint32_t place = places_find(&b->places, process);
-    if (place != MU_NONE && b->places.at[place].matched) {
-        circulars_hears(b, place, true);
+    uint32_t place = processes_find(&b->processes, process);
+    if (place != MU_NONE && b->processes.at[place].matched) {
+        multicast_hears(b, place, true);
     }
 }
 
 void broker_is_read(struct broker *b, uint32_t readers)
 {
-    circulars_read_by(b, readers);
+    multicast_read_by(b, readers);
 }
 
 void broker_roster(struct broker *b, const muster_Roster *roster, uint64_t now_ns)
 {
     broker_enter(b, now_ns);
-    if (border_roster(roster)) {
+    if (validate_roster(roster)) {
         step_set_roster(b, roster);
     } else {
         b->counters.malformed++;
@@ -187,18 +188,18 @@ static uint32_t agent_at(const struct broker *b, uint32_t place, const char *nam
 static void mail_take(struct broker *b, uint32_t sender, const muster_Mail *letter,
                       enum up_effect effect)
 {
-    struct mail *m = admission_take(b, sender, letter);
+    struct mail *m = admit_mail(b, sender, letter);
     if (!m) {
         return;
     }
-    if (effect == EFFECT_REPLAY && posting_is_held(b, m)) {
+    if (effect == EFFECT_REPLAY && deliver_is_held(b, m)) {
         step_keep_replay(b, m);
         return;
     }
     bool outside = effect == EFFECT_STEP_AS_OUTSIDE ||
-                   (effect != EFFECT_STEP && b->lockstep.on && router_meets_lockstep(b, m));
+                   (effect != EFFECT_STEP && b->lockstep.on && route_meets_lockstep(b, m));
     if (effect != EFFECT_STEP && !outside) {
-        (void)router_route(b, m);
+        (void)route_mail(b, m);
     } else if (!barrier_keep(b, m, outside)) {
         settle_turn_away(b, m);
     }
@@ -236,7 +237,7 @@ static void act_take(struct broker *b, uint32_t place, const muster_Act *act, en
         effect = EFFECT_NOW; /* it speaks in its turn, but from outside */
     }
     if (act->mails._length > 0) {
-        floods_note_speaker(b, place);
+        pacing_note_speaker(b, place);
     }
     for (uint32_t i = 0; i < act->mails._length; i++) {
         const muster_Mail *letter = &act->mails._buffer[i];
@@ -250,11 +251,11 @@ static void ack_take(struct broker *b, uint32_t place, const muster_Ack *ack)
 {
     uint32_t agent = agent_at(b, place, ack->box);
     if (agent == MU_NONE) { /* of another broker: the agent lives elsewhere by now */
-        b->counters.malformed += !b->places.at[place].is_broker;
+        b->counters.malformed += !b->processes.at[place].is_broker;
         return;
     }
     snapshots_heard(b, agent, place);
-    if (b->places.at[place].rostered) {
+    if (b->processes.at[place].rostered) {
         barrier_keep_ack(&b->lockstep, agent, ack->number);
     } else {
         settle_acknowledge(b, agent, ack->number);
@@ -277,9 +278,10 @@ static void acks_take(struct broker *b, uint32_t place, const muster_Up *up)
 void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
 {
     broker_enter(b, now_ns);
-    bool good = border_up(up);
-    uint32_t place =
-        border_string(up->process, MU_PROCESS_MAX) ? places_find(&b->places, up->process) : MU_NONE;
+    bool good = validate_up(up);
+    uint32_t place = validate_string(up->process, MU_PROCESS_MAX)
+                         ? processes_find(&b->processes, up->process)
+                         : MU_NONE;
     if (!good || place == MU_NONE) {
         b->counters.malformed++;
         if (place != MU_NONE && barrier_wants(b, place, up->step)) {
@@ -288,7 +290,7 @@ void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
         return;
     }
     enum up_effect effect = EFFECT_NOW;
-    if (b->places.at[place].rostered) {
+    if (b->processes.at[place].rostered) {
         if (up->step != muster_STEP_NOW && !barrier_wants(b, place, up->step)) {
             return;
         }
@@ -296,14 +298,14 @@ void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
     }
     barrier_open_turn(&b->lockstep);
     acks_take(b, place, up);
-    for (uint32_t i = 0; i < up->acts._length && !b->places.at[place].is_broker; i++) {
+    for (uint32_t i = 0; i < up->acts._length && !b->processes.at[place].is_broker; i++) {
         act_take(b, place, &up->acts._buffer[i], effect);
     }
     for (uint32_t i = 0; i < up->trips._length; i++) {
         transfer_hear(b, place, &up->trips._buffer[i], effect == EFFECT_STEP);
     }
     for (uint32_t i = 0; i < up->glances._length; i++) {
-        glances_hear(b, place, &up->glances._buffer[i]);
+        probes_hear(b, place, &up->glances._buffer[i]);
     }
     if (effect == EFFECT_STEP) {
         step_answered(b, place);
@@ -365,7 +367,7 @@ static void resend_tick(struct broker *b)
         mailbox_repeat(&b->mailbox, agent);
         names_tell_number(b, agent); /* what said so may be what was lost */
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
-        tenants_wake(&b->registry, &b->places, agent);
+        residents_wake(&b->registry, &b->processes, agent);
     }
 }
 
@@ -375,16 +377,16 @@ void broker_tick(struct broker *b, uint64_t now_ns)
     lifecycle_tick(b);
     resend_tick(b);
     outcome_tick(b);
-    courier_tick(b);
+    dispatch_tick(b);
     transfer_tick(b);
     settle_tick(b);
     lifecycle_tick_routes(b);
     announce_tick(b);
     if (!b->clock.lockstep) {
-        settle_expire(b, runclock_mail_ns(&b->clock));
-        notify_expire(b, runclock_mail_ns(&b->clock));
-        router_resolve_expire(b, runclock_mail_ns(&b->clock));
-        settle_admit_due(b, runclock_run_ns(&b->clock));
+        settle_expire(b, clock_mail_ns(&b->clock));
+        notify_expire(b, clock_mail_ns(&b->clock));
+        route_resolve_expire(b, clock_mail_ns(&b->clock));
+        settle_admit_due(b, clock_run_ns(&b->clock));
     }
 }
 
@@ -400,18 +402,18 @@ static uint64_t earliest_ns(const uint64_t *times_ns, size_t count)
 /* What ends on the mail clock.  @return in broker time */
 static uint64_t mail_deadline_ns(const struct broker *b)
 {
-    const struct mail *expiry = schedule_first(&b->expiry);
-    const uint64_t times_ns[] = {expiry ? expiry->at_ns[SCHEDULE_EXPIRY] : UINT64_MAX,
+    const struct mail *expiry = timers_first(&b->expiry);
+    const uint64_t times_ns[] = {expiry ? expiry->at_ns[TIMERS_EXPIRY] : UINT64_MAX,
                                  view_deadline_mail_ns(b), resolve_deadline_mail_ns(b)};
     uint64_t first_ns = earliest_ns(times_ns, sizeof times_ns / sizeof times_ns[0]);
-    return first_ns != UINT64_MAX ? runclock_now_of_mail_ns(&b->clock, first_ns) : UINT64_MAX;
+    return first_ns != UINT64_MAX ? clock_now_of_mail_ns(&b->clock, first_ns) : UINT64_MAX;
 }
 
 /* @return when held mail is due, in broker time */
 static uint64_t due_deadline_ns(const struct broker *b)
 {
-    const struct mail *due = schedule_first(&b->due);
-    return due && b->clock.runs ? runclock_now_of_run_ns(&b->clock, due->at_ns[SCHEDULE_DUE])
+    const struct mail *due = timers_first(&b->due);
+    return due && b->clock.runs ? clock_now_of_run_ns(&b->clock, due->at_ns[TIMERS_DUE])
                                 : UINT64_MAX;
 }
 
@@ -420,9 +422,9 @@ uint64_t broker_deadline_ns(const struct broker *b)
     bool by_steps = b->clock.lockstep; /* then the end of a step does it */
     const uint64_t times_ns[] = {lifecycle_deadline_ns(b),
                                  resend_deadline_ns(b),
-                                 courier_deadline_ns(b),
+                                 dispatch_deadline_ns(b),
                                  snapshots_deadline_ns(b),
-                                 pacer_deadline_ns(&b->pacer),
+                                 limiter_deadline_ns(&b->limiter),
                                  settle_deadline_ns(b),
                                  remote_deadline_ns(b),
                                  announce_deadline_ns(b),
@@ -435,30 +437,30 @@ uint64_t broker_deadline_ns(const struct broker *b)
 
 bool broker_next(struct broker *b, const char **process, muster_Delivery *d)
 {
-    MU_ASSERT(b->courier.open == MU_NONE);
-    return courier_next(b, process, d);
+    MU_ASSERT(b->dispatch.open == MU_NONE);
+    return dispatch_next(b, process, d);
 }
 
 void broker_delivered(struct broker *b, uint64_t now_ns)
 {
-    runclock_set_now(&b->clock, now_ns);
-    courier_delivered(b);
+    clock_set_now(&b->clock, now_ns);
+    dispatch_delivered(b);
 }
 
 void broker_undelivered(struct broker *b)
 {
-    courier_undelivered(b);
+    dispatch_undelivered(b);
 }
 
 const char *broker_process(const struct broker *b, uint32_t index)
 {
-    const struct places *p = &b->places;
+    const struct processes *p = &b->processes;
     return index < p->unmatched_count ? p->at[p->unmatched[index]].name : NULL;
 }
 
 bool broker_serves(const struct broker *b, const char *process)
 {
-    return places_find(&b->places, process) != MU_NONE;
+    return processes_find(&b->processes, process) != MU_NONE;
 }
 
 bool broker_takes_names(const struct broker *b)
@@ -469,38 +471,38 @@ bool broker_takes_names(const struct broker *b)
 void broker_status(const struct broker *b, muster_BrokerStatus *status)
 {
     const struct broker_counters *c = &b->counters;
-    *status =
-        (muster_BrokerStatus){.agents = b->registry.present,
-                              .sent = c->sent,
-                              .delivered = c->delivered,
-                              .waiting = c->waiting,
-                              .expired = c->expired,
-                              .box_full = c->box_full,
-                              .unknown_name = c->unknown_name,
-                              .refused = c->refused,
-                              .duplicates_dropped = c->duplicates_dropped,
-                              .resent = c->resent,
-                              .malformed = c->malformed,
-                              .dropped = c->dropped,
-                              .over_share = c->over_share,
-                              .no_store = c->no_store,
-                              .stored = b->store.mails,
-                              .lockstep = b->lockstep_end,
-                              .oldest_ns = ages_oldest_ns(&b->ages, runclock_mail_ns(&b->clock))};
+    *status = (muster_BrokerStatus){.agents = b->registry.present,
+                                    .sent = c->sent,
+                                    .delivered = c->delivered,
+                                    .waiting = c->waiting,
+                                    .expired = c->expired,
+                                    .box_full = c->box_full,
+                                    .unknown_name = c->unknown_name,
+                                    .refused = c->refused,
+                                    .duplicates_dropped = c->duplicates_dropped,
+                                    .resent = c->resent,
+                                    .malformed = c->malformed,
+                                    .dropped = c->dropped,
+                                    .over_share = c->over_share,
+                                    .no_store = c->no_store,
+                                    .stored = b->pool.mails,
+                                    .lockstep = b->lockstep_end,
+                                    .oldest_ns =
+                                        arrivals_oldest_ns(&b->arrivals, clock_mail_ns(&b->clock))};
     status->broker = sample_text(b->name);
 }
 
 bool broker_part(struct broker *b, uint32_t part, muster_PartStatus *status)
 {
-    const struct counter *c;
+    const struct metric *c;
     uint32_t count = 0;
     if (part < 1 || part >= PARTS_END) {
         return false;
     }
-    for (size_t i = 0; (c = counters_at(i)); i++) {
+    for (size_t i = 0; (c = metrics_at(i)); i++) {
         if (c->part == part) {
             b->part_counters[count++] =
-                (muster_Counter){.name = sample_text(c->name), .value = counters_value(b, c)};
+                (muster_Counter){.name = sample_text(c->name), .value = metrics_value(b, c)};
         }
     }
     *status = (muster_PartStatus){.broker = b->name, .part = b->registry.agents[part].name};
@@ -540,8 +542,8 @@ static void line_write(const struct broker *b, uint32_t agent, char to[BROKER_LI
     struct mu_text t;
     registry_line(&b->registry, agent, b->name, &m);
     mu_text_init(&t, to, BROKER_LINE_MAX);
-    mu_text_format(&t, "%s %s %s %s %s %s %lu %llu%s%s", m.name, border_kind_word(m.kind),
-                   border_state_word(m.state), m.broker, m.process[0] ? m.process : "-",
+    mu_text_format(&t, "%s %s %s %s %s %s %lu %llu%s%s", m.name, validate_kind_word(m.kind),
+                   validate_state_word(m.state), m.broker, m.process[0] ? m.process : "-",
                    m.host[0] ? m.host : "-", (unsigned long)m.pid,
                    (unsigned long long)m.since_wall_ns, m.reason[0] ? " " : "", m.reason);
 }
@@ -572,8 +574,8 @@ void broker_page_untold(struct broker *b, const muster_Page *page)
 
 bool broker_event_next(struct broker *b, muster_BrokerEvent *out)
 {
-    struct event event;
-    if (!events_next(&b->events, b->clock.now_ns, &event)) {
+    struct alert event;
+    if (!alerts_next(&b->alerts, b->clock.now_ns, &event)) {
         return false;
     }
     *out = (muster_BrokerEvent){.agent = b->registry.agents[event.agent].name,
@@ -581,13 +583,13 @@ bool broker_event_next(struct broker *b, muster_BrokerEvent *out)
                                 .count = event.count,
                                 .wall_ns = b->wall_ns + event.at_ns};
     out->broker = sample_text(b->name);
-    out->kind = sample_text(events_kind_word(event.kind));
+    out->kind = sample_text(alerts_kind_word(event.kind));
     return true;
 }
 
 uint32_t broker_samples_wanted(const struct broker *b)
 {
-    return b->glances.count > 0 ? 1 : barrier_missing(&b->lockstep);
+    return b->probes.count > 0 ? 1 : barrier_missing(&b->lockstep);
 }
 
 bool broker_in_lockstep(const struct broker *b)

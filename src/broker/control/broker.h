@@ -29,9 +29,10 @@ struct broker_options {
     uint64_t incarnation; /* a number that no earlier broker of this network had */
     const char *host;     /* for its own line of the white pages */
     uint32_t pid;
-    uint64_t wall_ns;         /* nanoseconds since 1970 at now_ns == 0, for since_wall_ns */
-    uint64_t resend_after_ns; /* an unacknowledged parcel goes out again after this; 1 s when 0 */
-    uint64_t delivery_interval_ns; /* between two rounds of the courier; 0: at once */
+    uint64_t wall_ns; /* nanoseconds since 1970 at now_ns == 0, for since_wall_ns */
+    uint64_t
+        resend_after_ns; /* an unacknowledged delivery item goes out again after this; 1 s when 0 */
+    uint64_t delivery_interval_ns; /* between two rounds of the dispatcher; 0: at once */
     bool audit;                    /* directives are recorded for broker_audit_next */
     uint64_t hold_ns;              /* so long a new holder waits for the old one; 1.5 s when 0 */
     muster_BoxPolicy box_policy;   /* of boxes whose agents ask for nothing else */
@@ -65,10 +66,11 @@ void broker_matched(struct broker *b, const char *process, bool matched, uint64_
  * knows of boxes, groups and services is said once more, and what it has not acknowledged. */
 void broker_read_anew(struct broker *b, const char *process);
 
-/** A process that has matched reads circulars, too: Deliveries to many, in partition BUS_TO_ALL. */
+/** A process that has matched reads multicasts, too: Deliveries to many, in partition BUS_TO_ALL.
+ */
 void broker_hears(struct broker *b, const char *process);
 
-/** So many processes read circulars, those of other brokers among them. */
+/** So many processes read multicasts, those of other brokers among them. */
 void broker_is_read(struct broker *b, uint32_t readers);
 
 /** The simulator names the processes of the lock step, or ends it (lockstep false). */
@@ -164,7 +166,7 @@ bool broker_page_news(struct broker *b, muster_Page *out);
 void broker_page_untold(struct broker *b, const muster_Page *page);
 
 /**
- * Gives what has gone wrong with mail; events_next in events.h says how often.
+ * Gives what has gone wrong with mail; alerts_next in alerts.h says how often.
  *
  * @return false when there is nothing to tell now
  */

@@ -28,7 +28,7 @@ static void mails_committed(struct broker *b)
         if (m->unsettled > 0) {
             settle_stored(b, m);
         }
-        store_release(&b->store, m);
+        pool_release(&b->pool, m);
     }
     j->first = j->last = NULL;
 }
@@ -68,7 +68,7 @@ static void mails_failed(struct broker *b)
             m->row = 0;
             m->letter.level == muster_LEVEL_RAM ? ram_leave(b, m) : settle_undo(b, m);
         }
-        store_release(&b->store, m);
+        pool_release(&b->pool, m);
     }
 }
 
@@ -86,7 +86,7 @@ static void marks_clear(struct broker *b)
         }
     }
     for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
-        b->depot.capsules[i].unsaved = false;
+        b->snapshots.snapshots[i].unsaved = false;
     }
     j->run_wall_ns = journal_run_wall_ns(b);
 }
@@ -99,7 +99,7 @@ void durable_committed(struct broker *b, bool ok, uint64_t now_ns)
     if (ok) {
         j->commits++;
         for (uint32_t i = 0; i < b->registry.count && failed_before; i++) {
-            tenants_wake(&b->registry, &b->places, i); /* more may be handed out */
+            residents_wake(&b->registry, &b->processes, i); /* more may be handed out */
         }
         mails_committed(b);
         marks_clear(b);
@@ -118,8 +118,8 @@ static bool is_count(uint64_t number)
 
 static bool restore_agent(struct broker *b, const struct journal_entry *e)
 {
-    bool good = border_string(e->name, MU_NAME_MAX) && mu_name_valid(e->name) &&
-                border_kind_word(e->agent_kind) && strcmp(e->name, "broker") != 0 &&
+    bool good = validate_string(e->name, MU_NAME_MAX) && mu_name_valid(e->name) &&
+                validate_kind_word(e->agent_kind) && strcmp(e->name, "broker") != 0 &&
                 is_count(e->durable_seq) && is_count(e->failed_seq) && is_count(e->reserved_seq);
     uint32_t agent = good ? registry_find(&b->registry, e->name) : MU_NONE;
     if (good && agent == MU_NONE) {
@@ -146,7 +146,8 @@ static bool restore_agent(struct broker *b, const struct journal_entry *e)
 static uint32_t agent_named(struct broker *b, const char *name)
 {
     struct journal_entry e = {.name = name};
-    uint32_t agent = border_string(name, MU_NAME_MAX) ? registry_find(&b->registry, name) : MU_NONE;
+    uint32_t agent =
+        validate_string(name, MU_NAME_MAX) ? registry_find(&b->registry, name) : MU_NONE;
     if (agent == MU_NONE && restore_agent(b, &e)) {
         agent = registry_find(&b->registry, name);
     }
@@ -155,7 +156,7 @@ static uint32_t agent_named(struct broker *b, const char *name)
 
 static uint64_t left_ns(const struct broker *b, const struct journal_entry *e)
 {
-    uint64_t wall_ns = runclock_wall_ns(b);
+    uint64_t wall_ns = clock_wall_ns(b);
     if (e->expires_wall_ns == 0) {
         return UINT64_MAX;
     }
@@ -173,7 +174,7 @@ static const char *waiting_read(struct broker *b, struct mail *m, const char *wa
     struct mu_text t;
     mu_text_init(&t, b->journal.text, JOURNAL_WAITING_BYTES);
     mu_text_add_bytes(&t, waiting, (size_t)(slash - waiting));
-    return store_mail_go_on(m, slash + 1) ? t.at : NULL;
+    return pool_mail_go_on(m, slash + 1) ? t.at : NULL;
 }
 
 static bool restore_mail(struct broker *b, const struct journal_entry *e)
@@ -184,14 +185,14 @@ static bool restore_mail(struct broker *b, const struct journal_entry *e)
     }
     j->rows = e->row > j->rows ? e->row : j->rows; /* taken, whatever becomes of it */
     uint32_t sender = agent_named(b, e->letter.src);
-    if (sender == MU_NONE || !border_mail(&e->letter) || e->letter.seq == 0 ||
-        !is_count(e->letter.seq) || !border_string(e->waiting, JOURNAL_WAITING_BYTES - 1) ||
+    if (sender == MU_NONE || !validate_mail(&e->letter) || e->letter.seq == 0 ||
+        !is_count(e->letter.seq) || !validate_string(e->waiting, JOURNAL_WAITING_BYTES - 1) ||
         (e->letter.hops == 0 && journal_find(j, sender, e->letter.seq))) {
         return false;
     }
     muster_Mail letter = e->letter;
     letter.again = true;
-    struct mail *m = store_put(&b->store, &letter);
+    struct mail *m = pool_put(&b->pool, &letter);
     if (!m) {
         journal_failed(b, sender, &letter);
         return false;
@@ -200,7 +201,7 @@ static bool restore_mail(struct broker *b, const struct journal_entry *e)
     m->row = e->row;
     m->journal_written = true;
     const char *waiting = waiting_read(b, m, e->waiting);
-    if (!posting_restore(b, m, waiting ? waiting : "", left_ns(b, e))) {
+    if (!deliver_restore(b, m, waiting ? waiting : "", left_ns(b, e))) {
         journal_failed(b, sender, &letter);
         return false;
     }
@@ -219,11 +220,12 @@ static bool restore_line(struct broker *b, const struct journal_entry *e)
         return false;
     }
     struct journal_slots *s = &b->journal.slots[e->lines];
-    bool taken =
-        border_string(l->key, MU_NAME_MAX) && mu_name_valid(l->key) &&
-        border_string(l->agent, MU_NAME_MAX) && (l->agent[0] == '\0' || mu_name_valid(l->agent)) &&
-        border_string(l->attributes, MU_ATTRIBUTES_MAX) && border_string(l->origin, MU_FIELD_MAX) &&
-        l->stamp_ns <= JOURNAL_NUMBER_MAX && s->source->restore(b, l);
+    bool taken = validate_string(l->key, MU_NAME_MAX) && mu_name_valid(l->key) &&
+                 validate_string(l->agent, MU_NAME_MAX) &&
+                 (l->agent[0] == '\0' || mu_name_valid(l->agent)) &&
+                 validate_string(l->attributes, MU_ATTRIBUTES_MAX) &&
+                 validate_string(l->origin, MU_FIELD_MAX) && l->stamp_ns <= JOURNAL_NUMBER_MAX &&
+                 s->source->restore(b, l);
     s->reset = s->reset || taken;
     return taken;
 }
@@ -231,11 +233,11 @@ static bool restore_line(struct broker *b, const struct journal_entry *e)
 /* A run that went on by the wall has gone on. */
 static bool restore_clock(struct broker *b, const struct journal_entry *e)
 {
-    uint64_t wall_ns = runclock_wall_ns(b);
+    uint64_t wall_ns = clock_wall_ns(b);
     if (e->run_wall_ns == 0 || e->run_wall_ns > wall_ns) {
         return false;
     }
-    runclock_start(&b->clock, false, wall_ns - e->run_wall_ns);
+    clock_start(&b->clock, false, wall_ns - e->run_wall_ns);
     b->journal.run_wall_ns = e->run_wall_ns;
     return true;
 }
@@ -243,8 +245,8 @@ static bool restore_clock(struct broker *b, const struct journal_entry *e)
 static bool restore_capsule(struct broker *b, const struct journal_entry *e)
 {
     uint32_t agent = agent_named(b, e->name);
-    return agent != MU_NONE && e->epoch <= JOURNAL_NUMBER_MAX && e->capsule &&
-           snapshots_restore(b, agent, e->epoch, e->capsule);
+    return agent != MU_NONE && e->epoch <= JOURNAL_NUMBER_MAX && e->snapshot &&
+           snapshots_restore(b, agent, e->epoch, e->snapshot);
 }
 
 bool durable_restore(struct broker *b, const struct journal_entry *entry)
@@ -254,7 +256,7 @@ bool durable_restore(struct broker *b, const struct journal_entry *entry)
     case JOURNAL_MAIL: return restore_mail(b, entry);
     case JOURNAL_LINE: return restore_line(b, entry);
     case JOURNAL_CLOCK: return restore_clock(b, entry);
-    case JOURNAL_CAPSULE: return restore_capsule(b, entry);
+    case JOURNAL_SNAPSHOT: return restore_capsule(b, entry);
     case JOURNAL_WAITING:
     case JOURNAL_GONE:
     case JOURNAL_RESET: break;

@@ -45,39 +45,39 @@ struct broker {
     uint64_t wall_ns; /* nanoseconds since 1970 when the clock shows 0 */
     uint64_t resend_after_ns;
     uint64_t hold_ns;
-    struct runclock clock;
+    struct clock clock;
     struct registry registry;
-    struct places places;
+    struct processes processes;
     struct claims claims;
-    struct store store;
-    struct share_accounts shares; /* of the store */
-    struct schedule due, expiry;
-    struct schedule replays; /* mails of a recording, which nobody has been told of yet */
+    struct pool pool;
+    struct quota_accounts quotas; /* of the store */
+    struct timers due, expiry;
+    struct timers replays; /* mails of a recording, which nobody has been told of yet */
     struct mailbox mailbox;
     struct receipts receipts;
     struct lockstep lockstep;
-    struct courier courier;
-    struct circulars circulars;
-    struct floods floods;
-    struct depot depot;
-    struct glances glances;
+    struct dispatch dispatch;
+    struct multicast multicast;
+    struct pacing pacing;
+    struct snapshots snapshots;
+    struct probes probes;
     struct pages pages;
     struct resolve resolve;
-    struct ages ages;
+    struct arrivals arrivals;
     struct trust trust;
     struct audit audit;
     struct journal journal;
-    struct liaison liaison;
+    struct federation federation;
     struct broker_counters counters;
     muster_LockstepEnd lockstep_end;
-    struct events events;
-    struct pacer pacer;
+    struct alerts alerts;
+    struct limiter limiter;
     uint64_t orders;           /* mails routed */
     uint64_t answers[2];       /* of the broker itself: to members of the lock step, to others */
     char *page[REGISTRY_PAGE]; /* of the white pages, as it is published */
     char page_text[REGISTRY_PAGE][BROKER_LINE_MAX];
-    muster_Counter part_counters[COUNTERS_MAX]; /* of the PartStatus given last */
-    char text[MU_CONTENT_MAX + 1];              /* in which an answer is put together */
+    muster_Counter part_counters[METRICS_MAX]; /* of the PartStatus given last */
+    char text[MU_CONTENT_MAX + 1];             /* in which an answer is put together */
 };
 
 #endif

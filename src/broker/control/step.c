@@ -49,7 +49,7 @@ static void mails_apply(struct broker *b)
     for (uint32_t i = 0; i < b->lockstep.active_count; i++) {
         struct turn *turn = &b->lockstep.turns[b->lockstep.active[i]];
         for (struct mail *m = barrier_pop(&turn->mails); m; m = barrier_pop(&turn->mails)) {
-            (void)router_route(b, m);
+            (void)route_mail(b, m);
         }
     }
 }
@@ -59,14 +59,14 @@ static void outside_take(struct broker *b, struct turn *turn)
     struct lockstep *l = &b->lockstep;
     struct mail *m = barrier_pop(&turn->outside);
     barrier_count_outside(l, m, UINT32_MAX); /* one less */
-    struct share_use less = {.mails = 1, .bytes = store_bytes(m)};
-    share_subtract(&turn->outside_use, &less);
-    share_subtract(&l->outside_use, &less);
-    store_keep(m);
-    if (router_route(b, m)) {
+    struct quota_use less = {.mails = 1, .bytes = pool_bytes(m)};
+    quota_subtract(&turn->outside_use, &less);
+    quota_subtract(&l->outside_use, &less);
+    pool_keep(m);
+    if (route_mail(b, m)) {
         l->told[l->told_count++] = m;
     } else {
-        store_release(&b->store, m);
+        pool_release(&b->pool, m);
     }
 }
 
@@ -87,21 +87,21 @@ static void outside_apply(struct broker *b)
 
 void step_keep_replay(struct broker *b, struct mail *m)
 {
-    if (b->replays.count == SHARE_MAILS_MAX) {
+    if (b->replays.count == QUOTA_MAILS_MAX) {
         settle_turn_away(b, m);
         return;
     }
-    m->at_ns[SCHEDULE_DUE] = (uint64_t)m->letter.due_ns;
+    m->at_ns[TIMERS_DUE] = (uint64_t)m->letter.due_ns;
     m->order = ++b->orders;
-    schedule_add(&b->replays, m);
+    timers_add(&b->replays, m);
     outcome_stored(b, m);
 }
 
 /* The run that they are of is over. */
 static void replays_drop(struct broker *b)
 {
-    for (struct mail *m; (m = schedule_first(&b->replays));) {
-        schedule_remove(&b->replays, m);
+    for (struct mail *m; (m = timers_first(&b->replays));) {
+        timers_remove(&b->replays, m);
         settle_drop(b, m);
     }
 }
@@ -109,9 +109,9 @@ static void replays_drop(struct broker *b)
 /* What came in with this step when it was recorded comes in with it again. */
 static void replays_keep(struct broker *b, uint64_t run_ns)
 {
-    for (struct mail *m = schedule_first(&b->replays); m && m->at_ns[SCHEDULE_DUE] <= run_ns;
-         m = schedule_first(&b->replays)) {
-        schedule_remove(&b->replays, m);
+    for (struct mail *m = timers_first(&b->replays); m && m->at_ns[TIMERS_DUE] <= run_ns;
+         m = timers_first(&b->replays)) {
+        timers_remove(&b->replays, m);
         if (!barrier_keep(b, m, true)) {
             settle_turn_away(b, m);
         }
@@ -121,17 +121,17 @@ static void replays_keep(struct broker *b, uint64_t run_ns)
 static void step_apply(struct broker *b)
 {
     b->lockstep.applying = true;
-    replays_keep(b, runclock_run_ns(&b->clock));
+    replays_keep(b, clock_run_ns(&b->clock));
     barrier_order_turns(b);
     acks_apply(b);
-    settle_expire(b, runclock_mail_ns(&b->clock));
-    notify_expire(b, runclock_mail_ns(&b->clock));
+    settle_expire(b, clock_mail_ns(&b->clock));
+    notify_expire(b, clock_mail_ns(&b->clock));
     states_apply(b);
     mails_apply(b);
     outside_apply(b);
-    router_resolve_expire(b, runclock_mail_ns(&b->clock));
+    route_resolve_expire(b, clock_mail_ns(&b->clock));
     barrier_close_turns(&b->lockstep);
-    settle_admit_due(b, runclock_run_ns(&b->clock));
+    settle_admit_due(b, clock_run_ns(&b->clock));
     b->lockstep.applying = false;
 }
 
@@ -144,12 +144,12 @@ static uint64_t step_time_ns(const struct lockstep *l, int64_t step)
 static void step_end(struct broker *b)
 {
     struct lockstep *l = &b->lockstep;
-    runclock_step(&b->clock, step_time_ns(l, l->step + 1));
+    clock_step(&b->clock, step_time_ns(l, l->step + 1));
     step_apply(b);
     l->step++;
     l->answered = 0;
     for (uint32_t i = 0; i < l->roster_count; i++) {
-        b->places.at[l->roster[i]].answered = false;
+        b->processes.at[l->roster[i]].answered = false;
     }
     l->awaits_moves = true;
     if (!transfer_step_ended(b)) {
@@ -165,7 +165,7 @@ static bool step_is_complete(const struct lockstep *l)
 void step_answered(struct broker *b, uint32_t place)
 {
     struct lockstep *l = &b->lockstep;
-    b->places.at[place].answered = true;
+    b->processes.at[place].answered = true;
     l->answered++;
     if (step_is_complete(l)) {
         step_end(b);
@@ -176,46 +176,46 @@ void step_answered(struct broker *b, uint32_t place)
 
 static void place_enter(struct broker *b, uint32_t place)
 {
-    struct place *at = &b->places.at[place];
+    struct process *at = &b->processes.at[place];
     at->rostered = true;
     at->answered = false;
     at->step_due = false;
     at->step_had = INT64_MIN;
-    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
-         agent = tenants_next(&b->registry, &b->places, agent)) {
+    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
+         agent = residents_next(&b->registry, &b->processes, agent)) {
         mailbox_unwatch(&b->mailbox, agent);
-        tenants_wake(&b->registry, &b->places, agent); /* its mail may have waited for this */
+        residents_wake(&b->registry, &b->processes, agent); /* its mail may have waited for this */
     }
 }
 
 /* The lock step lets go of a process; it has what it owes, or nobody wants that any more. */
 static void place_leave(struct broker *b, uint32_t place)
 {
-    struct place *at = &b->places.at[place];
+    struct process *at = &b->processes.at[place];
     at->rostered = false;
     at->answered = false;
     at->step_due = false;
     view_forget_told(at); /* it was not shown all */
     at->roll_call_due = at->roll_call_due || at->overruled;
     at->overruled = false;
-    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
-         agent = tenants_next(&b->registry, &b->places, agent)) {
+    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
+         agent = residents_next(&b->registry, &b->processes, agent)) {
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
-        tenants_wake(&b->registry, &b->places, agent);
+        residents_wake(&b->registry, &b->processes, agent);
         if (b->lockstep.on) { /* those who stay are not shown its services any more */
             notify_presence(b, agent);
         }
     }
     lifecycle_settle(b, place);
-    places_wake(&b->places, place);
-    places_tidy(&b->places, place);
+    processes_wake(&b->processes, place);
+    processes_tidy(&b->processes, place);
 }
 
 /* None of what an expelled process has done in this step takes effect. */
 static void turns_drop(struct broker *b, uint32_t place)
 {
-    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
-         agent = tenants_next(&b->registry, &b->places, agent)) {
+    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
+         agent = residents_next(&b->registry, &b->processes, agent)) {
         struct turn *turn = &b->lockstep.turns[agent];
         turn->has_ack = turn->has_state = false;
         struct mail *m = barrier_pop(&turn->mails);
@@ -228,7 +228,7 @@ static void turns_drop(struct broker *b, uint32_t place)
     }
 }
 
-static bool roster_names(const muster_Roster *roster, const struct place *at)
+static bool roster_names(const muster_Roster *roster, const struct process *at)
 {
     for (uint32_t i = 0; i < roster->processes._length; i++) {
         if (strcmp(roster->processes._buffer[i], at->name) == 0) {
@@ -238,10 +238,10 @@ static bool roster_names(const muster_Roster *roster, const struct place *at)
     return false;
 }
 
-static void tenants_let_go(struct broker *b, uint32_t place)
+static void residents_let_go(struct broker *b, uint32_t place)
 {
-    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
-         agent = tenants_next(&b->registry, &b->places, agent)) {
+    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
+         agent = residents_next(&b->registry, &b->processes, agent)) {
         b->registry.agents[agent].let_go = true;
     }
 }
@@ -253,13 +253,13 @@ static void roster_shrink(struct broker *b, const muster_Roster *roster)
     uint32_t kept = 0;
     for (uint32_t i = 0; i < l->roster_count; i++) {
         uint32_t place = l->roster[i];
-        if (roster_names(roster, &b->places.at[place])) {
+        if (roster_names(roster, &b->processes.at[place])) {
             l->roster[kept++] = place;
             continue;
         }
-        l->answered -= b->places.at[place].answered;
+        l->answered -= b->processes.at[place].answered;
         if (roster->held) {
-            tenants_let_go(b, place);
+            residents_let_go(b, place);
         }
         turns_drop(b, place);
         place_leave(b, place);
@@ -270,8 +270,8 @@ static void roster_shrink(struct broker *b, const muster_Roster *roster)
 /* The others have not been told of these agents while they were outside. */
 static void lines_tell(struct broker *b, uint32_t place)
 {
-    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
-         agent = tenants_next(&b->registry, &b->places, agent)) {
+    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
+         agent = residents_next(&b->registry, &b->processes, agent)) {
         registry_touch(&b->registry, agent);
         notify_enter(b, agent);
     }
@@ -282,10 +282,10 @@ static void roster_grow(struct broker *b, const muster_Roster *roster, bool in_m
 {
     struct lockstep *l = &b->lockstep;
     for (uint32_t i = 0; i < roster->processes._length; i++) {
-        uint32_t place = places_get(&b->places, roster->processes._buffer[i]);
+        uint32_t place = processes_get(&b->processes, roster->processes._buffer[i]);
         if (place == MU_NONE) {
             b->counters.malformed++;
-        } else if (!b->places.at[place].rostered) {
+        } else if (!b->processes.at[place].rostered) {
             place_enter(b, place);
             l->roster[l->roster_count++] = place;
             if (in_mid_run) {
@@ -302,7 +302,7 @@ static void lockstep_hold(struct broker *b, bool held)
     b->lockstep.held = held;
     for (uint32_t agent = 0; ends && agent < b->registry.count; agent++) {
         if (!names_in_lockstep(b, agent)) {
-            tenants_wake(&b->registry, &b->places, agent);
+            residents_wake(&b->registry, &b->processes, agent);
         }
     }
 }
@@ -338,16 +338,16 @@ static void lockstep_end(struct broker *b)
     uint32_t count = l->roster_count, simulator = l->simulator;
     l->roster_count = l->answered = 0;
     l->simulator = MU_NONE;
-    b->places.at[simulator].simulator = false;
-    b->places.at[simulator].step_due = false;
+    b->processes.at[simulator].simulator = false;
+    b->processes.at[simulator].step_due = false;
     for (uint32_t i = 0; i < count; i++) {
-        b->places.at[l->roster[i]].version_had =
+        b->processes.at[l->roster[i]].version_had =
             0; /* and of those outside, it has missed changes */
         place_leave(b, l->roster[i]);
     }
     notify_thaw(b);
-    places_wake(&b->places, simulator);
-    places_tidy(&b->places, simulator);
+    processes_wake(&b->processes, simulator);
+    processes_tidy(&b->processes, simulator);
 }
 
 /* What an earlier run did with names is nothing to the next. */
@@ -364,21 +364,21 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
 {
     struct lockstep *l = &b->lockstep;
     run_forget(b);
-    router_resolve_give_up(b);
+    route_resolve_give_up(b);
     l->on = true;
     l->held = roster->held;
     l->step = roster->step;
     l->step_ns = roster->step_ns;
     l->simulator = simulator;
-    b->places.at[simulator].simulator = true;
-    b->places.at[simulator].step_had = INT64_MIN;
+    b->processes.at[simulator].simulator = true;
+    b->processes.at[simulator].step_had = INT64_MIN;
     roster_grow(b, roster, false);
-    runclock_start(&b->clock, true, step_time_ns(l, l->step));
-    settle_admit_due(b, runclock_run_ns(&b->clock));
+    clock_start(&b->clock, true, step_time_ns(l, l->step));
+    settle_admit_due(b, clock_run_ns(&b->clock));
     l->version = l->start_version = b->registry.changes.version;
     for (uint32_t i = 0; i < l->roster_count; i++) {
-        b->places.at[l->roster[i]].version_had = 0; /* the whole pages, as of now */
-        view_forget_told(&b->places.at[l->roster[i]]);
+        b->processes.at[l->roster[i]].version_had = 0; /* the whole pages, as of now */
+        view_forget_told(&b->processes.at[l->roster[i]]);
     }
     notify_freeze(b);
 }
@@ -401,7 +401,7 @@ static void deliveries_owe(struct broker *b)
     struct lockstep *l = &b->lockstep;
     for (uint32_t i = 0; i <= l->roster_count; i++) {
         uint32_t place = i < l->roster_count ? l->roster[i] : l->simulator;
-        if (b->places.at[place].step_had != l->step - 1) {
+        if (b->processes.at[place].step_had != l->step - 1) {
             barrier_owe_delivery(b, place);
         }
     }
@@ -410,14 +410,14 @@ static void deliveries_owe(struct broker *b)
 void step_set_roster(struct broker *b, const muster_Roster *roster)
 {
     struct lockstep *l = &b->lockstep;
-    bool same = l->on && strcmp(b->places.at[l->simulator].name, roster->simulator) == 0;
+    bool same = l->on && strcmp(b->processes.at[l->simulator].name, roster->simulator) == 0;
     if (!roster->lockstep) {
         if (same) {
             lockstep_end(b);
         }
         if (!l->on) {
             uint64_t steps = roster->step > 0 ? (uint64_t)roster->step : 0;
-            runclock_start(&b->clock, false, steps * roster->step_ns);
+            clock_start(&b->clock, false, steps * roster->step_ns);
         }
         return;
     }
@@ -427,14 +427,15 @@ void step_set_roster(struct broker *b, const muster_Roster *roster)
     if (goes_on) {
         lockstep_change(b, roster);
     } else {
-        uint32_t simulator = places_get(&b->places, roster->simulator);
+        uint32_t simulator = processes_get(&b->processes, roster->simulator);
         if (simulator == MU_NONE) {
             b->counters.malformed++;
             return;
         }
         if (l->on) {
             lockstep_end(b);
-            simulator = places_get(&b->places, roster->simulator); /* it may have been let go */
+            simulator =
+                processes_get(&b->processes, roster->simulator); /* it may have been let go */
         }
         lockstep_start(b, roster, simulator);
     }

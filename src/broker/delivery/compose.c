@@ -10,13 +10,13 @@
 static uint64_t interval_steps(const struct broker *b)
 {
     uint64_t step_ns = b->lockstep.step_ns;
-    return b->courier.interval_ns / step_ns + (b->courier.interval_ns % step_ns > 0);
+    return b->dispatch.interval_ns / step_ns + (b->dispatch.interval_ns % step_ns > 0);
 }
 
 bool compose_is_awake(const struct broker *b, bool lockstep)
 {
-    if (b->courier.interval_ns == 0 || !lockstep) {
-        return b->courier.interval_ns == 0 || b->courier.awake;
+    if (b->dispatch.interval_ns == 0 || !lockstep) {
+        return b->dispatch.interval_ns == 0 || b->dispatch.awake;
     }
     return (uint64_t)b->lockstep.step % interval_steps(b) == 0;
 }
@@ -24,8 +24,8 @@ bool compose_is_awake(const struct broker *b, bool lockstep)
 /* @return how much longer a mail has waited than it had without an interval, at most */
 static uint64_t mail_delay_ns(const struct broker *b, const struct mail *m)
 {
-    uint64_t now_ns = runclock_mail_ns(&b->clock), since_ns = b->courier.slept_ns;
-    if (b->courier.open_lockstep) {
+    uint64_t now_ns = clock_mail_ns(&b->clock), since_ns = b->dispatch.slept_ns;
+    if (b->dispatch.open_lockstep) {
         uint64_t round_ns = interval_steps(b) * b->lockstep.step_ns;
         since_ns = now_ns > round_ns ? now_ns - round_ns : 0;
     }
@@ -36,15 +36,15 @@ static uint64_t mail_delay_ns(const struct broker *b, const struct mail *m)
 /* @return what is left of its time to live, for the next broker on its way */
 static uint64_t ttl_left_ns(const struct broker *b, const struct mail *m)
 {
-    uint64_t mail_ns = runclock_mail_ns(&b->clock), at_ns = m->at_ns[SCHEDULE_EXPIRY];
-    if (at_ns == 0 || !b->places.at[b->courier.open].is_broker) {
+    uint64_t mail_ns = clock_mail_ns(&b->clock), at_ns = m->at_ns[TIMERS_EXPIRY];
+    if (at_ns == 0 || !b->processes.at[b->dispatch.open].is_broker) {
         return m->letter.ttl_ns;
     }
     return at_ns > mail_ns ? at_ns - mail_ns : 1;
 }
 
 /* @return whether all that may go to the agent now had room */
-static bool parcels_fill(struct broker *b, struct courier_part *part, struct courier_room *room,
+static bool parcels_fill(struct broker *b, struct dispatch_part *part, struct dispatch_room *room,
                          muster_Delivery *d)
 {
     uint32_t agent = part->agent;
@@ -53,7 +53,7 @@ static bool parcels_fill(struct broker *b, struct courier_part *part, struct cou
     }
     struct box *box = mailbox_box(&b->mailbox, agent);
     enum mailbox_gate gate = names_gate(b, agent);
-    bool awake = compose_is_awake(b, b->courier.open_lockstep);
+    bool awake = compose_is_awake(b, b->dispatch.open_lockstep);
     mailbox_hand_out(&b->mailbox, agent, awake || gate < GATE_URGENT ? gate : GATE_URGENT,
                      journal_room(b, agent));
     uint64_t number = box->acked + box->written;
@@ -67,8 +67,8 @@ static bool parcels_fill(struct broker *b, struct courier_part *part, struct cou
         room->bytes -= m->bytes;
         room->parcels--;
         part->parcels++;
-        if (b->courier.interval_ns > 0 && !b->mailbox.posts[i].sent) {
-            b->courier.open_delay_ns += mail_delay_ns(b, m);
+        if (b->dispatch.interval_ns > 0 && !b->mailbox.posts[i].sent) {
+            b->dispatch.open_delay_ns += mail_delay_ns(b, m);
         }
         muster_Parcel *parcel = &d->parcels._buffer[d->parcels._length++];
         *parcel = (muster_Parcel){.box = b->registry.agents[agent].name,
@@ -84,7 +84,7 @@ static uint32_t receipts_fill(struct broker *b, uint32_t agent, muster_Delivery 
 {
     const struct receipt_queue *q = receipts_of(&b->receipts, agent);
     uint32_t count = 0;
-    for (uint32_t i = q->head; i != MU_NONE && d->receipts._length < COURIER_RECEIPTS;
+    for (uint32_t i = q->head; i != MU_NONE && d->receipts._length < DISPATCH_RECEIPTS;
          i = b->receipts.pool[i].next) {
         const struct receipt *r = &b->receipts.pool[i];
         d->receipts._buffer[d->receipts._length++] =
@@ -101,11 +101,11 @@ static uint32_t receipts_fill(struct broker *b, uint32_t agent, muster_Delivery 
  * been had from its box, for another broker */
 static uint64_t verdict_number(struct broker *b, uint32_t agent)
 {
-    return b->places.at[b->courier.open].is_broker ? mailbox_box(&b->mailbox, agent)->acked
-                                                   : remote_begin_seq(b, agent);
+    return b->processes.at[b->dispatch.open].is_broker ? mailbox_box(&b->mailbox, agent)->acked
+                                                       : remote_begin_seq(b, agent);
 }
 
-static void welcome_add(struct broker *b, struct courier_part *part, muster_Delivery *d)
+static void welcome_add(struct broker *b, struct dispatch_part *part, muster_Delivery *d)
 {
     static char none[1];
     struct agent *a = &b->registry.agents[part->agent];
@@ -120,7 +120,7 @@ static void welcome_add(struct broker *b, struct courier_part *part, muster_Deli
     }
 }
 
-static void refusals_fill(struct broker *b, struct place *at, muster_Delivery *d)
+static void refusals_fill(struct broker *b, struct process *at, muster_Delivery *d)
 {
     for (uint32_t i = 0; i < at->refusals_count; i++) {
         muster_Verdict *v = &d->verdicts._buffer[d->verdicts._length++];
@@ -137,9 +137,9 @@ static bool line_is_shown(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
     bool from_the_start =
-        changes_version(&b->registry.changes, agent) <= b->lockstep.start_version &&
+        changelog_version(&b->registry.changes, agent) <= b->lockstep.start_version &&
         !a->is.no_broadcasts && a->is.home[0] == '\0';
-    return !b->courier.open_lockstep || from_the_start || a->ended || names_in_lockstep(b, agent);
+    return !b->dispatch.open_lockstep || from_the_start || a->ended || names_in_lockstep(b, agent);
 }
 
 /* @return whether a step has changed a line since the last Delivery, and more was said of it since
@@ -147,7 +147,8 @@ static bool line_is_shown(const struct broker *b, uint32_t agent)
 static bool line_is_of_step(const struct broker *b, uint32_t agent, uint64_t version_had)
 {
     uint64_t version = b->registry.agents[agent].step_version;
-    return b->courier.open_lockstep && version > version_had && version <= b->courier.open_version;
+    return b->dispatch.open_lockstep && version > version_had &&
+           version <= b->dispatch.open_version;
 }
 
 static int member_compare(const void *x, const void *y, const void *context)
@@ -158,26 +159,26 @@ static int member_compare(const void *x, const void *y, const void *context)
 }
 
 /* Changes of the white pages since the last Delivery; in lock step, those of the last step. */
-static void members_fill(struct broker *b, const struct place *at, muster_Delivery *d)
+static void members_fill(struct broker *b, const struct process *at, muster_Delivery *d)
 {
-    const struct changes *c = &b->registry.changes;
-    uint64_t upto = b->courier.open_version;
+    const struct changelog *c = &b->registry.changes;
+    uint64_t upto = b->dispatch.open_version;
     if (at->version_had >= upto || at->is_broker) { /* which is told by the announcement */
         return;
     }
     /* With its first agent it learns which broker this is, and forgets what another one has told.
      */
-    if (at->agents_count == 0 && !b->courier.open_lockstep) {
-        b->courier.open_version = at->version_had;
+    if (at->agents_count == 0 && !b->dispatch.open_lockstep) {
+        b->dispatch.open_version = at->version_had;
         return;
     }
-    for (uint32_t i = changes_after(c, at->version_had); i != MU_NONE; i = changes_next(c, i)) {
-        uint64_t version = changes_version(c, i);
+    for (uint32_t i = changelog_after(c, at->version_had); i != MU_NONE; i = changelog_next(c, i)) {
+        uint64_t version = changelog_version(c, i);
         if (version > upto && !line_is_of_step(b, i, at->version_had)) {
             continue;
         }
-        if (d->members._length == COURIER_MEMBERS) { /* the rest comes next time */
-            b->courier.open_version = version > upto ? upto : version - 1;
+        if (d->members._length == DISPATCH_MEMBERS) { /* the rest comes next time */
+            b->dispatch.open_version = version > upto ? upto : version - 1;
             return;
         }
         if (line_is_shown(b, i)) {
@@ -193,9 +194,9 @@ static void outside_fill(struct broker *b, muster_Delivery *d)
     }
 }
 
-static void delivery_begin(struct broker *b, const struct place *at, muster_Delivery *d)
+static void delivery_begin(struct broker *b, const struct process *at, muster_Delivery *d)
 {
-    struct courier *c = &b->courier;
+    struct dispatch *c = &b->dispatch;
     *d = (muster_Delivery){.broker = b->name,
                            .broker_incarnation = b->incarnation,
                            .step = muster_STEP_NOW,
@@ -221,7 +222,7 @@ static void delivery_finish(muster_Delivery *d)
 
 static int part_compare(const void *x, const void *y, const void *registry)
 {
-    const struct courier_part *one = x, *other = y;
+    const struct dispatch_part *one = x, *other = y;
     const struct registry *r = registry;
     return strcmp(r->agents[one->agent].name, r->agents[other->agent].name);
 }
@@ -229,27 +230,27 @@ static int part_compare(const void *x, const void *y, const void *registry)
 /* Takes agents out of the place's queue, and puts them in order of name. */
 static void parts_take(struct broker *b, uint32_t place)
 {
-    struct courier *c = &b->courier;
+    struct dispatch *c = &b->dispatch;
     c->parts_count = 0;
     uint32_t agent;
-    while (c->parts_count < COURIER_AGENTS &&
-           (agent = tenants_pop(&b->registry, &b->places, place)) != TENANTS_NONE) {
-        c->parts[c->parts_count++] = (struct courier_part){.agent = agent};
+    while (c->parts_count < DISPATCH_AGENTS &&
+           (agent = residents_pop(&b->registry, &b->processes, place)) != RESIDENTS_NONE) {
+        c->parts[c->parts_count++] = (struct dispatch_part){.agent = agent};
     }
     mu_sort(c->parts, c->parts_count, sizeof c->parts[0], part_compare, &b->registry);
 }
 
 static void parts_fill(struct broker *b, muster_Delivery *d)
 {
-    struct courier *c = &b->courier;
-    struct courier_room room = {.parcels = floods_room(b, c->open), .bytes = COURIER_BYTES};
+    struct dispatch *c = &b->dispatch;
+    struct dispatch_room room = {.parcels = pacing_room(b, c->open), .bytes = DISPATCH_BYTES};
     for (uint32_t i = 0; i < c->parts_count; i++) {
-        struct courier_part *part = &c->parts[i];
+        struct dispatch_part *part = &c->parts[i];
         if (c->open_lockstep) { /* each box has its own room: none can starve another */
-            uint32_t left = COURIER_PARCELS - d->parcels._length;
+            uint32_t left = DISPATCH_ITEMS - d->parcels._length;
             uint32_t most = MU_WINDOW_MAX + MAILBOX_RESERVE;
-            room = (struct courier_room){.parcels = left < most ? left : most,
-                                         .bytes = COURIER_BOX_BYTES};
+            room = (struct dispatch_room){.parcels = left < most ? left : most,
+                                          .bytes = DISPATCH_BOX_BYTES};
         }
         part->passed_by = !parcels_fill(b, part, &room, d);
         part->receipts = receipts_fill(b, part->agent, d);
@@ -260,24 +261,24 @@ static void parts_fill(struct broker *b, muster_Delivery *d)
 
 void compose_return_passed_by(struct broker *b)
 {
-    struct courier *c = &b->courier;
+    struct dispatch *c = &b->dispatch;
     for (uint32_t i = 0; i < c->parts_count; i++) {
         if (c->parts[i].passed_by) {
-            tenants_wake(&b->registry, &b->places, c->parts[i].agent);
+            residents_wake(&b->registry, &b->processes, c->parts[i].agent);
         }
     }
 }
 
 void compose_return(struct broker *b, bool taken)
 {
-    struct courier *c = &b->courier;
+    struct dispatch *c = &b->dispatch;
     compose_return_passed_by(b);
     for (uint32_t i = 0; !taken && i < c->parts_count; i++) {
-        tenants_wake(&b->registry, &b->places, c->parts[i].agent);
+        residents_wake(&b->registry, &b->processes, c->parts[i].agent);
     }
     for (uint32_t i = 0; taken && i < c->parts_count; i++) {
         if (c->parts[i].parcels > 0) {
-            tenants_wake(&b->registry, &b->places, c->parts[i].agent);
+            residents_wake(&b->registry, &b->processes, c->parts[i].agent);
         }
     }
     c->parts_count = 0;
@@ -285,8 +286,8 @@ void compose_return(struct broker *b, bool taken)
 
 bool compose_fill(struct broker *b, uint32_t place, muster_Delivery *d)
 {
-    struct courier *c = &b->courier;
-    struct place *at = &b->places.at[place];
+    struct dispatch *c = &b->dispatch;
+    struct process *at = &b->processes.at[place];
     c->open_lockstep = at->rostered || at->simulator;
     if (c->open_lockstep && (!at->step_due || b->lockstep.awaits_moves)) {
         return false;
@@ -315,10 +316,10 @@ bool compose_fill(struct broker *b, uint32_t place, muster_Delivery *d)
 
 bool compose_fill_trip(struct broker *b, uint32_t place, muster_Delivery *d)
 {
-    struct courier *c = &b->courier;
+    struct dispatch *c = &b->dispatch;
     c->open_trip = snapshots_next(b, place, &c->trip);
     if (c->open_trip) {
-        delivery_begin(b, &b->places.at[place], d);
+        delivery_begin(b, &b->processes.at[place], d);
         d->roll_call = false;
         d->trips._buffer = &c->trip;
         d->trips._length = d->trips._maximum = 1;
@@ -328,13 +329,13 @@ bool compose_fill_trip(struct broker *b, uint32_t place, muster_Delivery *d)
 
 bool compose_fill_glance(struct broker *b, uint32_t place, muster_Delivery *d)
 {
-    struct courier *c = &b->courier;
-    c->open_glance = glances_next(b, place, &c->glance);
+    struct dispatch *c = &b->dispatch;
+    c->open_glance = probes_next(b, place, &c->probe);
     if (c->open_glance) {
-        delivery_begin(b, &b->places.at[place], d);
+        delivery_begin(b, &b->processes.at[place], d);
         d->roll_call = false;
         d->serial = 0; /* it waits for nothing */
-        d->glances._buffer = &c->glance;
+        d->glances._buffer = &c->probe;
         d->glances._length = d->glances._maximum = 1;
     }
     return c->open_glance;
@@ -342,14 +343,14 @@ bool compose_fill_glance(struct broker *b, uint32_t place, muster_Delivery *d)
 
 void compose_end_word(struct broker *b)
 {
-    struct courier *c = &b->courier;
+    struct dispatch *c = &b->dispatch;
     if (c->open_trip) {
-        b->places.at[c->open].serial++;
+        b->processes.at[c->open].serial++;
         snapshots_sent(b);
     } else {
-        glances_sent(b);
+        probes_sent(b);
     }
-    places_wake(&b->places, c->open);
+    processes_wake(&b->processes, c->open);
     c->open = MU_NONE;
     c->open_trip = c->open_glance = false;
 }

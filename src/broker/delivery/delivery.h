@@ -16,111 +16,111 @@
 
 struct broker;
 
-/* --- circular.c ------------------------------------------------------------------------------ */
+/* --- multicast.c ----------------------------------------------------------------------------- */
 
 /*
  * Mail for many processes goes out once for all of them: one sample instead of one for each.
  *
- * A circular has mails that are next in the box of everybody whom it names.  Whoever has something
+ * A multicast has mails that are next in the box of everybody whom it names.  Whoever has something
  * else to be told before, whose mail is kept on a disk, or who is in a lock step gets a Delivery of
  * its own.  Those whom it does not concern hear it, too, so that there are no more of them than of
  * the others.
  */
 
 enum {
-    CIRCULAR_PLACES_MIN = 4, /* fewer have a Delivery each */
-    CIRCULAR_WAITING = 64,   /* mails to many that have not gone out; others go as any mail does */
-    CIRCULAR_BOXES = 1024,   /* in one circular; the others have a Delivery */
-    CIRCULAR_BYTES = 32 * 1024,   /* of mail in one */
-    CIRCULAR_PAUSE_NS = 10000000, /* after the network has refused one */
+    MULTICAST_PLACES_MIN = 4, /* fewer have a Delivery each */
+    MULTICAST_WAITING = 64,   /* mails to many that have not gone out; others go as any mail does */
+    MULTICAST_BOXES = 1024,   /* in one multicast; the others have a Delivery */
+    MULTICAST_BYTES = 32 * 1024,   /* of mail in one */
+    MULTICAST_PAUSE_NS = 10000000, /* after the network has refused one */
 };
 
-/* A box that the open circular goes to. */
-struct circular_box {
+/* A box that the open multicast goes to. */
+struct multicast_box {
     uint32_t agent, place, seat;
 };
 
-struct circulars {
-    struct mail *waiting[CIRCULAR_WAITING]; /* in the order in which they came */
+struct multicast {
+    struct mail *waiting[MULTICAST_WAITING]; /* in the order in which they came */
     uint32_t count;
     uint64_t retry_ns; /* none goes out before */
     uint32_t hearers;  /* places that hear them, */
     uint32_t readers;  /* and processes, those of other brokers among them */
     /* The open one: */
-    struct circular_box boxes[CIRCULAR_BOXES]; /* in order of seats */
+    struct multicast_box boxes[MULTICAST_BOXES]; /* in order of seats */
     uint32_t boxes_count, places_count, letters_count;
-    uint32_t seats[CIRCULAR_BOXES], slots[CIRCULAR_BOXES];
-    uint64_t serials[CIRCULAR_BOXES], numbers[CIRCULAR_BOXES];
+    uint32_t seats[MULTICAST_BOXES], slots[MULTICAST_BOXES];
+    uint64_t serials[MULTICAST_BOXES], numbers[MULTICAST_BOXES];
     muster_Mail letters[BUS_CIRCULAR_LETTERS];
 };
 
-/** A place hears circulars from now on (true), or no longer. */
-void circulars_hears(struct broker *b, uint32_t place, bool hears);
+/** A place hears multicasts from now on (true), or no longer. */
+void multicast_hears(struct broker *b, uint32_t place, bool hears);
 
 /** So many processes read what goes to all, whoever their broker is. */
-void circulars_read_by(struct broker *b, uint32_t readers);
+void multicast_read_by(struct broker *b, uint32_t readers);
 
 /**
  * Puts the next one together.
  *
- * @return whether there is one; then circulars_sent or circulars_unsent is to be called
+ * @return whether there is one; then multicast_sent or multicast_unsent is to be called
  */
-bool circulars_next(struct broker *b, muster_Delivery *d);
+bool multicast_next(struct broker *b, muster_Delivery *d);
 
-/** It is out.  @return how many parcels that were */
-uint32_t circulars_sent(struct broker *b);
+/** It is out.  @return how many delivery items that were */
+uint32_t multicast_sent(struct broker *b);
 
 /** The network has refused it: its mails go as any mail does. */
-void circulars_unsent(struct broker *b);
+void multicast_unsent(struct broker *b);
 
-/* --- floods.c -------------------------------------------------------------------------------- */
+/* --- pacing.c -------------------------------------------------------------------------------- */
 
 /*
  * Mail that pours into a process does not disturb the others.
  *
  * Sender, broker and receiver of a flood want more processors than there are, and whoever exchanges
  * a mail now and then waits for his turn.  So, while anybody but these two has mail under way, a
- * process that gets many mails at once is handed FLOODS_MAILS every FLOODS_PAUSE_NS at most.  The
+ * process that gets many mails at once is handed PACING_MAILS every PACING_PAUSE_NS at most.  The
  * others wait in its boxes, and with them their sender, who has a bounded number of mails without
  * an answer.  Where nobody else is, nothing is held, nor what other brokers get, who serve many.
  */
 
 enum {
-    FLOODS_MANY = 16, /* mails in one Delivery that make a flood */
-    FLOODS_MAILS = 64,
-    FLOODS_PAUSE_NS = 1000000,
-    FLOODS_QUIET_NS = 20000000, /* who has sent nothing for so long has no mail under way */
-    FLOODS_SPEAKERS = 3,        /* at both ends of a flood, and one more */
+    PACING_MANY = 16, /* mails in one Delivery that make a flood */
+    PACING_MAILS = 64,
+    PACING_PAUSE_NS = 1000000,
+    PACING_QUIET_NS = 20000000, /* who has sent nothing for so long has no mail under way */
+    PACING_SPEAKERS = 3,        /* at both ends of a flood, and one more */
 };
 
-struct floods_speaker {
+struct pacing_speaker {
     uint32_t place;
     uint64_t spoke_ns; /* 0: nobody has */
 };
 
-struct floods {
-    struct floods_speaker speakers[FLOODS_SPEAKERS]; /* each once, who sent last first */
+struct pacing {
+    struct pacing_speaker speakers[PACING_SPEAKERS]; /* each once, who sent last first */
     uint32_t ring[MU_PROCESSES_MAX];                 /* places that are held, each once */
     uint32_t head, count;
 };
 
 /** An agent of this place has sent mail. */
-void floods_note_speaker(struct broker *b, uint32_t place);
+void pacing_note_speaker(struct broker *b, uint32_t place);
 
 /** @return how many mails the next Delivery to a place may have */
-uint32_t floods_room(const struct broker *b, uint32_t place);
+uint32_t pacing_room(const struct broker *b, uint32_t place);
 
 /** @return whether a place gets nothing now; it is woken later */
-bool floods_hold(struct broker *b, uint32_t place);
+bool pacing_hold(struct broker *b, uint32_t place);
 
 /** So many mails have gone out to a place; from: where the last of them came from, or MU_NONE */
-void floods_note_delivery(struct broker *b, uint32_t place, uint32_t mails, uint32_t from);
+void pacing_note_delivery(struct broker *b, uint32_t place, uint32_t mails, uint32_t from);
 
 /** Wakes those who were held long enough. */
-void floods_tick(struct broker *b);
+void pacing_tick(struct broker *b);
 
-/** @return when floods_tick is needed next, or UINT64_MAX */
-uint64_t floods_deadline_ns(const struct broker *b);
+/** @return when pacing_tick is needed next, or UINT64_MAX */
+uint64_t pacing_deadline_ns(const struct broker *b);
 
 /* --- compose.c ------------------------------------------------------------------------------- */
 
@@ -147,35 +147,35 @@ bool compose_fill_trip(struct broker *b, uint32_t place, muster_Delivery *d);
 /** A Delivery with a word of one of these two is out. */
 void compose_end_word(struct broker *b);
 
-/* --- courier.c ------------------------------------------------------------------------------- */
+/* --- dispatcher.c ---------------------------------------------------------------------------- */
 
 /*
  * Puts together what is ready for a process.  Nothing is taken from anywhere before the network
  * has taken it.
  *
- * With a delivery interval the courier sleeps between its rounds.  A process that something
+ * With a delivery interval the dispatcher sleeps between its rounds.  A process that something
  * ordinary is ready for is held until it wakes; then it gets everything, in one Delivery if that
  * can hold it.
  */
 
 enum {
-    COURIER_BYTES = 128 * 1024,     /* of mail in one Delivery, out of lock step */
-    COURIER_BOX_BYTES = 256 * 1024, /* of mail in one Delivery for one box, in lock step */
-    COURIER_AGENTS = 1024,          /* in one Delivery; the others are in the next one */
-    COURIER_RECEIPTS = 8192,
-    COURIER_PARCELS = 64 * 1024, /* as many as a process takes */
-    COURIER_MEMBERS = 2048,      /* changes of the white pages */
-    COURIER_INTERVAL_MAX_MS = 60000,
-    COURIER_RETRY_NS = 1000000, /* after the network has refused */
+    DISPATCH_BYTES = 128 * 1024,     /* of mail in one Delivery, out of lock step */
+    DISPATCH_BOX_BYTES = 256 * 1024, /* of mail in one Delivery for one box, in lock step */
+    DISPATCH_AGENTS = 1024,          /* in one Delivery; the others are in the next one */
+    DISPATCH_RECEIPTS = 8192,
+    DISPATCH_ITEMS = 64 * 1024, /* as many as a process takes */
+    DISPATCH_MEMBERS = 2048,    /* changes of the white pages */
+    DISPATCH_INTERVAL_MAX_MS = 60000,
+    DISPATCH_RETRY_NS = 1000000, /* after the network has refused */
 };
 
-/* What it has done; see counters.c. */
-struct courier_counts {
+/* What it has done; see metrics.c. */
+struct dispatch_counts {
     uint64_t deliveries, circulars, parcels, most_parcels, blocked, wakings, delay_ns;
 };
 
 /* What of one agent is in the open Delivery. */
-struct courier_part {
+struct dispatch_part {
     uint32_t agent;
     uint32_t parcels;
     uint32_t receipts;
@@ -184,13 +184,14 @@ struct courier_part {
 };
 
 /* Room that is left in a Delivery. */
-struct courier_room {
+struct dispatch_room {
     uint32_t parcels;
     size_t bytes;
 };
 
-struct courier {
-    uint32_t open; /* whose Delivery is out with the caller; PLACES_ALL: a circular; or MU_NONE */
+struct dispatch {
+    uint32_t
+        open; /* whose Delivery is out with the caller; PROCESSES_ALL: a multicast; or MU_NONE */
     bool open_lockstep;
     uint64_t open_version;
     uint64_t open_delay_ns; /* that the interval has added to the mails in it, together */
@@ -200,39 +201,39 @@ struct courier {
     bool awake;             /* ordinary mail goes out just now */
     bool worked;            /* something has gone out since it woke */
     uint32_t held;          /* processes that wait for it to wake, at most */
-    struct courier_counts count;
+    struct dispatch_counts count;
     uint64_t retry_ns; /* when blocked processes are tried again */
     bool open_trip;    /* it has this alone: */
     muster_Trip trip;
     bool open_glance; /* likewise */
-    muster_Glance glance;
-    struct courier_part parts[COURIER_AGENTS];
+    muster_Glance probe;
+    struct dispatch_part parts[DISPATCH_AGENTS];
     uint32_t parts_count;
     muster_Parcel *parcels;
     muster_Receipt *receipts;
-    muster_Verdict verdicts[COURIER_AGENTS + PLACES_REFUSALS];
-    muster_Member members[COURIER_MEMBERS];
+    muster_Verdict verdicts[DISPATCH_AGENTS + PROCESSES_REFUSALS];
+    muster_Member members[DISPATCH_MEMBERS];
     muster_Mail outside[LOCKSTEP_OUTSIDE_MAX];
 };
 
-void courier_init(struct courier *c);
+void dispatch_init(struct dispatch *c);
 
 /** As broker_next, broker_delivered and broker_undelivered. */
-bool courier_next(struct broker *b, const char **process, muster_Delivery *d);
-void courier_delivered(struct broker *b);
-void courier_undelivered(struct broker *b);
+bool dispatch_next(struct broker *b, const char **process, muster_Delivery *d);
+void dispatch_delivered(struct broker *b);
+void dispatch_undelivered(struct broker *b);
 
 /**
  * Sets the delivery interval: from now on ordinary mail goes to a process at most once in so long;
  * directives and answers to registrations go at once.  In lock step it is rounded up to whole steps
  * of simulated time.
  */
-void courier_set_interval(struct broker *b, uint64_t interval_ns);
+void dispatch_set_interval(struct broker *b, uint64_t interval_ns);
 
 /** Tries blocked processes again, when it is time. */
-void courier_tick(struct broker *b);
+void dispatch_tick(struct broker *b);
 
-/** @return when courier_tick is needed next, or UINT64_MAX */
-uint64_t courier_deadline_ns(const struct broker *b);
+/** @return when dispatch_tick is needed next, or UINT64_MAX */
+uint64_t dispatch_deadline_ns(const struct broker *b);
 
 #endif

@@ -52,7 +52,7 @@ struct group_line {
 struct groups {
     struct mu_pairs pairs; /* (group, agent); the group's own line has no agent */
     struct group_line *lines;
-    struct changes changes;
+    struct changelog changes;
     uint32_t count;                   /* groups that have lines */
     uint32_t groups_now, members_now; /* of whom it holds, outside; for the counters */
     uint64_t told; /* everybody has had the changes up to this version: see groups_full */
@@ -131,7 +131,7 @@ struct services {
     struct service_line *lines;
     struct mu_pairs by_agent; /* (agent, service) */
     uint32_t *line_of;        /* by index of by_agent */
-    struct changes changes;
+    struct changelog changes;
     struct subscriptions *told_to; /* who has been told of lines; NULL: nobody */
     uint32_t offers_now;           /* for the counters */
     uint64_t soonest_ns;           /* no lease ends before this */
@@ -238,7 +238,7 @@ void subscriptions_forget(struct subscriptions *s, uint32_t line);
  * clock changes nothing inside.
  */
 
-struct place;
+struct process;
 
 /* Lines in one Delivery out of lock step; the others come in the next one. */
 enum { PAGES_MEMBERSHIPS = 4096, PAGES_OFFERS = 1024 };
@@ -269,21 +269,21 @@ struct said view_said(struct broker *b);
 uint64_t view_deadline_mail_ns(const struct broker *b);
 
 /** A process is to be told everything again. */
-void view_forget_told(struct place *at);
+void view_forget_told(struct process *at);
 
 /** Adds to a Delivery what has changed since the last one. */
-void view_fill(struct broker *b, const struct place *at, muster_Delivery *d);
+void view_fill(struct broker *b, const struct process *at, muster_Delivery *d);
 
 /** @return whether there is nothing of it that a place has not been told */
-bool view_has_told(const struct broker *b, const struct place *at);
+bool view_has_told(const struct broker *b, const struct process *at);
 
 /** @return the lease of a line as others are to have it, who count it from its stamp by the wall */
 uint64_t view_lease_ns(const struct broker *b, uint32_t line);
 
 /** The Delivery has gone out. */
-void view_delivered(struct broker *b, struct place *at);
+void view_delivered(struct broker *b, struct process *at);
 
-bool view_place_is_told(const struct place *at);
+bool view_place_is_told(const struct process *at);
 
 /** @return whether there is somebody to ask about an address SCHEME:REST */
 bool view_has_resolver(const struct broker *b, const char *dst);

@@ -12,7 +12,7 @@ void groups_init(struct groups *g)
     *g = (struct groups){0};
     mu_pairs_init(&g->pairs, MU_MEMBERSHIPS_MAX);
     g->lines = mu_startup_array(MU_MEMBERSHIPS_MAX, sizeof *g->lines);
-    changes_init(&g->changes, MU_MEMBERSHIPS_MAX);
+    changelog_init(&g->changes, MU_MEMBERSHIPS_MAX);
 }
 
 static bool line_holds(const struct group_line *line, bool inside)
@@ -32,7 +32,7 @@ static void line_forget(struct groups *g, uint32_t line)
 {
     char group[MU_NAME_MAX + 1];
     mu_text_copy(group, sizeof group, mu_pairs_first(&g->pairs, line));
-    changes_remove(&g->changes, line);
+    changelog_remove(&g->changes, line);
     mu_pairs_remove(&g->pairs, line);
     g->count -= !group_has_lines(g, group);
 }
@@ -41,14 +41,14 @@ static void line_forget(struct groups *g, uint32_t line)
 static bool line_is_spare(const struct groups *g, uint32_t line)
 {
     const struct group_line *l = &g->lines[line];
-    return !l->joined && !l->joined_inside && changes_version(&g->changes, line) <= g->told;
+    return !l->joined && !l->joined_inside && changelog_version(&g->changes, line) <= g->told;
 }
 
 /* @return whether a line has made room, the oldest first */
 static bool line_spare(struct groups *g)
 {
     for (uint32_t line = g->changes.first; line != MU_NONE;
-         line = changes_next(&g->changes, line)) {
+         line = changelog_next(&g->changes, line)) {
         if (line_is_spare(g, line)) {
             line_forget(g, line);
             return true;
@@ -72,7 +72,7 @@ static bool group_spare(struct groups *g)
     char group[MU_NAME_MAX + 1];
     uint32_t line = g->changes.first;
     while (line != MU_NONE && !group_is_spare(g, mu_pairs_first(&g->pairs, line))) {
-        line = changes_next(&g->changes, line);
+        line = changelog_next(&g->changes, line);
     }
     if (line == MU_NONE) {
         return false;
@@ -121,7 +121,7 @@ static void line_say(struct groups *g, uint32_t line, bool joined, const struct 
     l->joined_inside = said->inside ? joined : l->joined_inside;
     l->stamp_ns = said->stamp_ns > l->stamp_ns ? said->stamp_ns : l->stamp_ns + 1;
     mu_text_copy(l->origin, sizeof l->origin, said->origin);
-    changes_touch(&g->changes, line);
+    changelog_touch(&g->changes, line);
 }
 
 const char *groups_create(struct groups *g, const char *group, const struct said *said)
@@ -191,7 +191,7 @@ const char *groups_leave(struct groups *g, const char *group, const char *agent,
     struct group_line *l = &g->lines[own];
     if (said->inside && !group_has_members(g, group, true) && l->joined_inside) {
         l->joined_inside = false;
-        changes_touch(&g->changes, own);
+        changelog_touch(&g->changes, own);
     }
     if (!group_has_members(g, group, false) && l->joined) {
         line_say(g, own, false, &(struct said){said->stamp_ns, said->origin, false});
@@ -239,7 +239,7 @@ void groups_enter(struct groups *g, const char *agent)
         uint32_t line = g->pairs.order[i];
         if (strcmp(mu_pairs_second(&g->pairs, line), agent) == 0) {
             g->lines[line].joined_inside = g->lines[line].joined;
-            changes_touch(&g->changes, line);
+            changelog_touch(&g->changes, line);
         }
     }
 }

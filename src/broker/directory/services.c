@@ -15,7 +15,7 @@ void services_init(struct services *s)
     mu_pairs_init(&s->by_agent, MU_SERVICES_MAX);
     s->lines = mu_startup_array(MU_SERVICES_MAX, sizeof *s->lines);
     s->line_of = mu_startup_array(MU_SERVICES_MAX, sizeof *s->line_of);
-    changes_init(&s->changes, MU_SERVICES_MAX);
+    changelog_init(&s->changes, MU_SERVICES_MAX);
 }
 
 /* --- room ------------------------------------------------------------------------------------- */
@@ -28,7 +28,7 @@ static void line_forget(struct services *s, uint32_t line)
     const char *service = mu_pairs_first(&s->pairs, line);
     const char *agent = mu_pairs_second(&s->pairs, line);
     mu_pairs_remove(&s->by_agent, mu_pairs_find(&s->by_agent, agent, service));
-    changes_remove(&s->changes, line);
+    changelog_remove(&s->changes, line);
     mu_pairs_remove(&s->pairs, line);
 }
 
@@ -37,9 +37,9 @@ static uint32_t spare_find(const struct services *s, const uint64_t kept[SUBSCRI
 {
     uint32_t line = s->changes.first;
     while (line != MU_NONE &&
-           (s->lines[line].offered || changes_version(&s->changes, line) > s->told ||
+           (s->lines[line].offered || changelog_version(&s->changes, line) > s->told ||
             (kept[line / 64] >> (line % 64) & 1) != 0)) {
-        line = changes_next(&s->changes, line);
+        line = changelog_next(&s->changes, line);
     }
     return line;
 }
@@ -90,7 +90,7 @@ static void line_say(struct services *s, uint32_t line, bool offered, const stru
     l->offered = offered;
     l->stamp_ns = said->stamp_ns > l->stamp_ns ? said->stamp_ns : l->stamp_ns + 1;
     mu_text_copy(l->origin, sizeof l->origin, said->origin);
-    changes_touch(&s->changes, line);
+    changelog_touch(&s->changes, line);
 }
 
 /* left_ns: of the lease */
@@ -186,7 +186,7 @@ void services_expire(struct services *s, uint64_t mail_ns)
         if (l->until_ns <= mail_ns) {
             s->offers_now--;
             l->offered = false; /* its stamp stays: every broker ends it by itself */
-            changes_touch(&s->changes, line);
+            changelog_touch(&s->changes, line);
         } else if (l->until_ns < s->soonest_ns) {
             s->soonest_ns = l->until_ns;
         }
@@ -198,7 +198,7 @@ void services_touch(struct services *s, const char *agent)
     uint32_t place = mu_pairs_start(&s->by_agent, agent), turned;
     while ((turned = mu_pairs_of(&s->by_agent, place++, agent)) != MU_NONE) {
         if (s->lines[s->line_of[turned]].offered) {
-            changes_touch(&s->changes, s->line_of[turned]);
+            changelog_touch(&s->changes, s->line_of[turned]);
         }
     }
 }

@@ -42,7 +42,7 @@ bool view_shows(const struct broker *b, uint32_t line, bool inside)
            (!inside || view_inside(b, agent));
 }
 
-bool view_place_is_told(const struct place *at)
+bool view_place_is_told(const struct process *at)
 {
     return at->used && at->matched && (at->agents_count > 0 || at->is_broker) && !at->simulator;
 }
@@ -53,8 +53,8 @@ static void told_update(struct broker *b)
     struct pages *p = &b->pages;
     p->groups.told = p->groups.changes.version;
     p->services.told = p->services.changes.version;
-    for (uint32_t i = 0; i < b->places.top; i++) {
-        const struct place *at = &b->places.at[i];
+    for (uint32_t i = 0; i < b->processes.top; i++) {
+        const struct process *at = &b->processes.at[i];
         if (view_place_is_told(at)) {
             p->groups.told = at->groups_had < p->groups.told ? at->groups_had : p->groups.told;
             p->services.told =
@@ -69,7 +69,7 @@ struct said view_said(struct broker *b)
         told_update(b);
     }
     return (struct said){
-        .stamp_ns = b->lockstep.on ? runclock_run_ns(&b->clock) : runclock_wall_ns(b),
+        .stamp_ns = b->lockstep.on ? clock_run_ns(&b->clock) : clock_wall_ns(b),
         .origin = b->name,
         .inside = !b->lockstep.on || b->lockstep.applying,
     };
@@ -84,7 +84,7 @@ uint64_t view_deadline_mail_ns(const struct broker *b)
 uint64_t view_lease_ns(const struct broker *b, uint32_t line)
 {
     const struct service_line *l = &b->pages.services.lines[line];
-    uint64_t wall_ns = runclock_wall_ns(b), mail_ns = runclock_mail_ns(&b->clock);
+    uint64_t wall_ns = clock_wall_ns(b), mail_ns = clock_mail_ns(&b->clock);
     if (l->lease_ns == 0 || l->until_ns == UINT64_MAX || !l->offered) {
         return l->lease_ns;
     }
@@ -95,43 +95,43 @@ uint64_t view_lease_ns(const struct broker *b, uint32_t line)
 
 /* --- deliveries ------------------------------------------------------------------------------- */
 
-void view_forget_told(struct place *at)
+void view_forget_told(struct process *at)
 {
     at->groups_had = at->services_had = 0;
 }
 
-static void memberships_fill(struct broker *b, const struct place *at, muster_Delivery *d)
+static void memberships_fill(struct broker *b, const struct process *at, muster_Delivery *d)
 {
     struct pages *p = &b->pages;
-    const struct changes *c = &p->groups.changes;
+    const struct changelog *c = &p->groups.changes;
     uint32_t max = at->rostered ? MU_MEMBERSHIPS_MAX : PAGES_MEMBERSHIPS;
     p->groups_open = at->groups_had;
-    for (uint32_t line = changes_after(c, at->groups_had);
-         line != MU_NONE && d->memberships._length < max; line = changes_next(c, line)) {
+    for (uint32_t line = changelog_after(c, at->groups_had);
+         line != MU_NONE && d->memberships._length < max; line = changelog_next(c, line)) {
         groups_line(&p->groups, line, at->rostered,
                     &d->memberships._buffer[d->memberships._length++]);
-        p->groups_open = changes_version(c, line);
+        p->groups_open = changelog_version(c, line);
     }
 }
 
-static void offers_fill(struct broker *b, const struct place *at, muster_Delivery *d)
+static void offers_fill(struct broker *b, const struct process *at, muster_Delivery *d)
 {
     struct pages *p = &b->pages;
-    const struct changes *c = &p->services.changes;
+    const struct changelog *c = &p->services.changes;
     uint32_t max = at->rostered ? MU_SERVICES_MAX : PAGES_OFFERS;
     p->services_open = at->services_had;
-    for (uint32_t line = changes_after(c, at->services_had);
-         line != MU_NONE && d->offers._length < max; line = changes_next(c, line)) {
+    for (uint32_t line = changelog_after(c, at->services_had);
+         line != MU_NONE && d->offers._length < max; line = changelog_next(c, line)) {
         /* Another broker sees for itself whom it shows. */
         muster_Offer *offer = &d->offers._buffer[d->offers._length++];
         services_line(&p->services, line, at->is_broker || view_shows(b, line, at->rostered),
                       offer);
         offer->lease_ns = at->is_broker ? view_lease_ns(b, line) : offer->lease_ns;
-        p->services_open = changes_version(c, line);
+        p->services_open = changelog_version(c, line);
     }
 }
 
-void view_fill(struct broker *b, const struct place *at, muster_Delivery *d)
+void view_fill(struct broker *b, const struct process *at, muster_Delivery *d)
 {
     struct pages *p = &b->pages;
     d->memberships._buffer = p->memberships;
@@ -146,14 +146,14 @@ void view_fill(struct broker *b, const struct place *at, muster_Delivery *d)
     d->offers._maximum = d->offers._length;
 }
 
-bool view_has_told(const struct broker *b, const struct place *at)
+bool view_has_told(const struct broker *b, const struct process *at)
 {
     const struct pages *p = &b->pages;
-    return changes_after(&p->groups.changes, at->groups_had) == MU_NONE &&
-           changes_after(&p->services.changes, at->services_had) == MU_NONE;
+    return changelog_after(&p->groups.changes, at->groups_had) == MU_NONE &&
+           changelog_after(&p->services.changes, at->services_had) == MU_NONE;
 }
 
-void view_delivered(struct broker *b, struct place *at)
+void view_delivered(struct broker *b, struct process *at)
 {
     at->groups_had = b->pages.groups_open;
     at->services_had = b->pages.services_open;

@@ -56,7 +56,7 @@ static struct turn *turn_open(struct lockstep *l, uint32_t agent)
 void barrier_open_turn(struct lockstep *l)
 {
     uint32_t each = STEP_BYTES / (l->roster_count > 0 ? l->roster_count : 1);
-    l->turn_bytes = each > STORE_RECORD_MAX ? each : STORE_RECORD_MAX;
+    l->turn_bytes = each > POOL_RECORD_MAX ? each : POOL_RECORD_MAX;
 }
 
 static bool mail_is_durable(const struct mail *m)
@@ -93,16 +93,16 @@ void barrier_count_outside(struct lockstep *l, const struct mail *m, uint32_t by
 bool barrier_keep(struct broker *b, struct mail *m, bool from_outside)
 {
     struct lockstep *l = &b->lockstep;
-    static const struct share_use most = {.mails = UINT32_MAX, .bytes = OUTSIDE_BYTES};
-    static const struct share_use least = {.mails = UINT32_MAX, .bytes = OUTSIDE_BYTES / 64};
+    static const struct quota_use most = {.mails = UINT32_MAX, .bytes = OUTSIDE_BYTES};
+    static const struct quota_use least = {.mails = UINT32_MAX, .bytes = OUTSIDE_BYTES / 64};
     struct turn *turn = turn_open(l, m->sender);
-    struct share_use want = {.mails = 1, .bytes = store_bytes(m)};
+    struct quota_use want = {.mails = 1, .bytes = pool_bytes(m)};
     if (from_outside) {
-        if (share_ask(&turn->outside_use, &l->outside_use, &want, &most, &least) != SHARE_FITS) {
+        if (quota_ask(&turn->outside_use, &l->outside_use, &want, &most, &least) != QUOTA_FITS) {
             return false;
         }
-        share_add(&turn->outside_use, &want);
-        share_add(&l->outside_use, &want);
+        quota_add(&turn->outside_use, &want);
+        quota_add(&l->outside_use, &want);
         m->kept_for = mail_receiver(b, m);
         barrier_count_outside(l, m, 1);
     } else if (want.bytes > l->turn_bytes) {
@@ -145,7 +145,7 @@ void barrier_keep_state(struct lockstep *l, uint32_t agent, muster_State state)
 
 bool barrier_wants(const struct broker *b, uint32_t place, int64_t step)
 {
-    const struct place *at = &b->places.at[place];
+    const struct process *at = &b->processes.at[place];
     return at->rostered && !at->answered && step == b->lockstep.step;
 }
 
@@ -153,7 +153,7 @@ bool barrier_awaits(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
     return b->lockstep.on && b->lockstep.held && a->is.kind == muster_KIND_ROBOT &&
-           !b->places.at[a->process].rostered;
+           !b->processes.at[a->process].rostered;
 }
 
 static int agent_compare(const void *x, const void *y, const void *registry)
@@ -205,14 +205,14 @@ void barrier_told(struct broker *b)
 {
     struct lockstep *l = &b->lockstep;
     while (l->told_count > 0) {
-        store_release(&b->store, l->told[--l->told_count]);
+        pool_release(&b->pool, l->told[--l->told_count]);
     }
 }
 
 void barrier_owe_delivery(struct broker *b, uint32_t place)
 {
-    b->places.at[place].step_due = true;
-    places_wake(&b->places, place);
+    b->processes.at[place].step_due = true;
+    processes_wake(&b->processes, place);
 }
 
 void barrier_release(struct broker *b)

@@ -35,7 +35,7 @@ struct mail_list {
 struct turn {
     struct mail_list mails;   /* in order of seq */
     struct mail_list outside; /* likewise: mails that did not come with an answer to the step */
-    struct share_use outside_use;
+    struct quota_use outside_use;
     uint32_t many;    /* among the mails from outside: those that are not for one name */
     uint32_t awaited; /* mails from outside for it alone, */
     uint32_t relayed; /* and those of them that another broker still has on disk */
@@ -62,7 +62,7 @@ struct lockstep {
     uint32_t *active;       /* agents of whom something was collected */
     uint32_t active_count;
     uint32_t outside_waiting;
-    struct share_use outside_use; /* of mails from outside, until they take effect */
+    struct quota_use outside_use; /* of mails from outside, until they take effect */
     uint32_t turn_bytes;          /* what the Up that is being taken may still bring */
     /* Mails from outside that took effect, in order, until the simulator has been told. */
     struct mail *told[LOCKSTEP_OUTSIDE_MAX];

@@ -17,7 +17,7 @@ static const uint64_t ANSWERS_EACH = 1ull << 40;
 
 static uint64_t outside_answers(const struct broker *b)
 {
-    return OUTSIDE_ANSWERS + (b->liaison.peers_count > 0 ? remote_lane(b) * ANSWERS_EACH : 0);
+    return OUTSIDE_ANSWERS + (b->federation.peers_count > 0 ? remote_range(b) * ANSWERS_EACH : 0);
 }
 
 void answer_begin(struct broker *b, struct mu_text *t, const char *word)
@@ -35,7 +35,7 @@ static void answer_post(struct broker *b, uint32_t own, uint32_t receiver, muste
     m->language = sample_text("");
     m->due_ns = -1;
     m->seq = (inside ? 0 : outside_answers(b)) + ++b->answers[inside ? 0 : 1];
-    posting_send(b, receiver, m);
+    deliver_send(b, receiver, m);
 }
 
 void answer_reply(struct broker *b, uint32_t own, const struct mail *question,

@@ -64,7 +64,7 @@ void journal_mark(struct journal *j, struct mail *m)
     if (m->journal_listed) {
         return;
     }
-    store_keep(m);
+    pool_keep(m);
     m->journal_listed = true;
     m->journal_next = NULL;
     if (j->last) {
@@ -243,7 +243,7 @@ static bool something_is_marked(const struct broker *b)
         marked = marked || j->slots[i].count || j->slots[i].reset;
     }
     for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
-        marked = marked || b->depot.capsules[i].unsaved;
+        marked = marked || b->snapshots.snapshots[i].unsaved;
     }
     return marked;
 }
@@ -277,7 +277,7 @@ static const char *waiting_of(struct broker *b, const struct mail *m)
         mu_text_add(&t, t.len ? "," : "");
         mu_text_add(&t, b->registry.agents[b->mailbox.posts[post].agent].name);
     }
-    const char *so_far = store_mail_standing(m);
+    const char *so_far = pool_mail_standing(m);
     mu_text_add(&t, so_far[0] ? "/" : "");
     mu_text_add(&t, so_far);
     return t.at;
@@ -285,11 +285,11 @@ static const char *waiting_of(struct broker *b, const struct mail *m)
 
 static uint64_t expires_wall_ns(const struct broker *b, const struct mail *m)
 {
-    if (m->at_ns[SCHEDULE_EXPIRY] == 0) { /* in flight it may be due already */
+    if (m->at_ns[TIMERS_EXPIRY] == 0) { /* in flight it may be due already */
         return 0;
     }
-    uint64_t mail_ns = runclock_mail_ns(&b->clock), at_ns = m->at_ns[SCHEDULE_EXPIRY];
-    uint64_t left_ns = at_ns > mail_ns ? at_ns - mail_ns : 0, wall_ns = runclock_wall_ns(b);
+    uint64_t mail_ns = clock_mail_ns(&b->clock), at_ns = m->at_ns[TIMERS_EXPIRY];
+    uint64_t left_ns = at_ns > mail_ns ? at_ns - mail_ns : 0, wall_ns = clock_wall_ns(b);
     bool fits = wall_ns < INT64_MAX && left_ns < INT64_MAX - wall_ns; /* what SQLite can hold */
     return fits ? wall_ns + left_ns : INT64_MAX;
 }
@@ -381,13 +381,13 @@ static bool next_clock(struct broker *b, struct journal_entry *e)
 static bool next_capsule(struct broker *b, struct journal_entry *e)
 {
     struct journal *j = &b->journal;
-    while (j->at.capsule < MU_CAPSULES_MAX) {
-        const struct depot_capsule *c = &b->depot.capsules[j->at.capsule++];
+    while (j->at.snapshot < MU_CAPSULES_MAX) {
+        const struct snapshot *c = &b->snapshots.snapshots[j->at.snapshot++];
         if (c->unsaved) {
-            e->kind = JOURNAL_CAPSULE;
+            e->kind = JOURNAL_SNAPSHOT;
             e->name = b->registry.agents[c->agent].name;
             e->epoch = c->epoch;
-            e->capsule = c->phase == DEPOT_FREE ? "" : c->text;
+            e->snapshot = c->phase == SNAPSHOT_FREE ? "" : c->text;
             return true;
         }
     }

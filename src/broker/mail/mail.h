@@ -16,28 +16,28 @@ struct broker;
 /* --- snapshots.c ----------------------------------------------------------------------------- */
 
 /*
- * Capsules of agents that are on their way, and the words about them.
+ * Snapshots of agents that are on their way, and the words about them.
  *
- * A capsule is kept from the moment at which its source hands it in until the agent lives at
+ * A snapshot is kept from the moment at which its source hands it in until the agent lives at
  * another process, or has set out anew, or stayed.  As long as nobody bears the name, whoever
  * restores agents may ask for it.  docs/mobility.md has the order of events.
  *
- * In lock step the depot holds the step while a capsule is under way, and seats the agent itself.
- * So it does with agents that are new (clones, and those that are launched): of them it keeps
- * nothing once they live.
+ * In lock step the snapshot store holds the step while a snapshot is under way, and seats the agent
+ * itself. So it does with agents that are new (clones, and those that are launched): of them it
+ * keeps nothing once they live.
  */
 
-enum { DEPOT_WORDS = 4 * MU_CAPSULES_MAX };
+enum { SNAPSHOT_WORDS = 4 * MU_CAPSULES_MAX };
 
-enum depot_phase {
-    DEPOT_FREE,
-    DEPOT_STEP, /* it came in a step that has not ended */
-    DEPOT_SENT, /* its host has it, or is about to, and has said nothing */
-    DEPOT_KEPT  /* nothing is awaited of anybody */
+enum snapshot_phase {
+    SNAPSHOT_FREE,
+    SNAPSHOT_STEP, /* it came in a step that has not ended */
+    SNAPSHOT_SENT, /* its host has it, or is about to, and has said nothing */
+    SNAPSHOT_KEPT  /* nothing is awaited of anybody */
 };
 
-struct depot_capsule {
-    enum depot_phase phase;
+struct snapshot {
+    enum snapshot_phase phase;
     char name[MU_NAME_MAX + 1];
     uint32_t agent;     /* of that name; MU_NONE: it is new */
     uint32_t asker;     /* who wants the journey: the agent itself, or who asks for a new one */
@@ -52,11 +52,11 @@ struct depot_capsule {
     uint64_t until_ns;             /* the host's word on it is awaited for so long */
     bool unsaved;                  /* the disk is to be told that it is there, or that it is free */
     size_t len;
-    char *text; /* MU_CAPSULE_MAX; passport and capsule */
+    char *text; /* MU_CAPSULE_MAX; snapshot header and snapshot */
 };
 
 /* What a process is to be told. */
-struct depot_word {
+struct snapshot_word {
     uint32_t place;
     char process[MU_PROCESS_MAX + 1]; /* whose place that is */
     muster_TripWord word;
@@ -64,25 +64,25 @@ struct depot_word {
     uint32_t asker;             /* of a new one; MU_NONE: of another, or to its host */
     uint32_t host, at;          /* at: the place where it lives */
     uint64_t epoch;
-    uint32_t capsule; /* of arrive */
+    uint32_t snapshot; /* of arrive */
     char reason[MU_FIELD_MAX + 1];
 };
 
-struct depot {
-    struct depot_capsule capsules[MU_CAPSULES_MAX];
-    uint32_t count, holding;              /* capsules; those that the step waits for */
-    struct depot_word words[DEPOT_WORDS]; /* in order */
+struct snapshots {
+    struct snapshot snapshots[MU_CAPSULES_MAX];
+    uint32_t count, holding;                    /* snapshots; those that the step waits for */
+    struct snapshot_word words[SNAPSHOT_WORDS]; /* in order */
     uint32_t words_count;
-    uint32_t open;                                 /* the word that courier_next has in hand */
+    uint32_t open;                                 /* the word that dispatch_next has in hand */
     uint64_t kept, taken, refused, lost, restored; /* counters */
 };
 
-void snapshots_init(struct depot *d);
+void snapshots_init(struct snapshots *d);
 
 /** A process is no more; what it was to be told waits, for it may have been slow only. */
 void snapshots_process_gone(struct broker *b, uint32_t place);
 
-/** An agent was seated, or said something of itself: its capsule may be of no use any more.  That
+/** An agent was seated, or said something of itself: its snapshot may be of no use any more.  That
  * of one whom a lock step has seated is kept until it has answered a step. */
 void snapshots_review(struct broker *b, uint32_t agent);
 
@@ -117,50 +117,49 @@ bool snapshots_next(struct broker *b, uint32_t place, muster_Trip *out);
 /** The word that was given last is out. */
 void snapshots_sent(struct broker *b);
 
-/** Takes in a capsule of an earlier life.  @return false: there is no room, or it is malformed */
+/** Takes in a snapshot of an earlier life.  @return false: there is no room, or it is malformed */
 bool snapshots_restore(struct broker *b, uint32_t agent, uint64_t epoch, const char *text);
 
-/** A host has said something of a capsule that it was handed. */
-struct depot_capsule *snapshots_answered_by(struct broker *b, uint32_t place,
-                                            const muster_Trip *trip);
+/** A host has said something of a snapshot that it was handed. */
+struct snapshot *snapshots_answered_by(struct broker *b, uint32_t place, const muster_Trip *trip);
 
-void snapshots_drop(struct broker *b, struct depot_capsule *c);
+void snapshots_drop(struct broker *b, struct snapshot *c);
 
-struct depot_capsule *snapshots_add(struct broker *b, uint32_t agent, const char *name,
-                                    uint64_t epoch, const char *text);
+struct snapshot *snapshots_add(struct broker *b, uint32_t agent, const char *name, uint64_t epoch,
+                               const char *text);
 
-/** It stays where it is, which the source hears; the capsule is kept until the source has said that
- * it goes on.  Nobody takes back who is new. */
-void snapshots_refuse(struct broker *b, struct depot_capsule *c, const char *reason);
+/** It stays where it is, which the source hears; the snapshot is kept until the source has said
+ * that it goes on.  Nobody takes back who is new. */
+void snapshots_refuse(struct broker *b, struct snapshot *c, const char *reason);
 
-void snapshots_send(struct broker *b, struct depot_capsule *c);
+void snapshots_send(struct broker *b, struct snapshot *c);
 
 /** It is to drop the copy that it has made. */
 void snapshots_refuse_copy(struct broker *b, uint32_t place, const char *name, uint64_t epoch,
                            const char *reason);
 
-void snapshots_tell(struct broker *b, const struct depot_capsule *c, uint32_t place,
-                    muster_TripWord say, const char *reason);
+void snapshots_tell(struct broker *b, const struct snapshot *c, uint32_t place, muster_TripWord say,
+                    const char *reason);
 
 /** A word to nobody, or one too many, is lost; whoever waits for it has a time limit. */
-void snapshots_say(struct broker *b, const struct depot_word *word);
+void snapshots_say(struct broker *b, const struct snapshot_word *word);
 
-/* --- glances.c ------------------------------------------------------------------------------- */
+/* --- probes.c -------------------------------------------------------------------------------- */
 
 /*
  * Lines that only look, on their way to a mind and back: beside all mail, and outside of every
  * step.
  *
- * A glance is known by its asker and the asker's number.  It is kept from the question until its
+ * A probe is known by its asker and the asker's number.  It is kept from the question until its
  * answer is out, and every question is answered, but for words that there is no room for: where
  * nobody can look, or may, it is declined, and the asker sends the line as a directive, which says
  * why it is refused.
  */
 
-/* Words that wait for the network: one for each glance, and those that were declined. */
-enum { GLANCES_WORDS = 4 * MU_GLANCES_MAX };
+/* Words that wait for the network: one for each probe, and those that were declined. */
+enum { PROBES_WORDS = 4 * MU_GLANCES_MAX };
 
-struct glance {
+struct probe {
     bool used;
     uint32_t asker, agent;
     uint64_t number;
@@ -169,29 +168,29 @@ struct glance {
 };
 
 /* What a process is to be told. */
-struct glances_word {
+struct probes_word {
     uint32_t place;
     muster_GlanceWord word;
-    uint32_t glance; /* MU_NONE: declined before it was kept */
+    uint32_t probe; /* MU_NONE: declined before it was kept */
     uint32_t asker, agent;
     uint64_t number;
 };
 
-struct glances {
-    struct glance at[MU_GLANCES_MAX];
+struct probes {
+    struct probe at[MU_GLANCES_MAX];
     uint32_t count;
-    struct glances_word words[GLANCES_WORDS]; /* in order */
-    uint32_t words_count, open;               /* open: the one that courier_next has in hand */
-    uint64_t asked, declined, lost;           /* counters */
+    struct probes_word words[PROBES_WORDS]; /* in order */
+    uint32_t words_count, open;             /* open: the one that dispatch_next has in hand */
+    uint64_t asked, declined, lost;         /* counters */
 };
 
-void glances_init(struct glances *g);
+void probes_init(struct probes *g);
 
 /** Takes a word of a process. */
-void glances_hear(struct broker *b, uint32_t place, const muster_Glance *glance);
+void probes_hear(struct broker *b, uint32_t place, const muster_Glance *probe);
 
 /** A process is no more: what it was asked is declined, what it asked is forgotten. */
-void glances_gone(struct broker *b, uint32_t place);
+void probes_gone(struct broker *b, uint32_t place);
 
 /**
  * Gives the first word for a process.
@@ -199,10 +198,10 @@ void glances_gone(struct broker *b, uint32_t place);
  * @param out  filled with pointers into the broker, valid until the next call into it
  * @return false: there is none
  */
-bool glances_next(struct broker *b, uint32_t place, muster_Glance *out);
+bool probes_next(struct broker *b, uint32_t place, muster_Glance *out);
 
 /** The word that was given last is out. */
-void glances_sent(struct broker *b);
+void probes_sent(struct broker *b);
 
 /* --- journal.c ------------------------------------------------------------------------------- */
 
@@ -256,14 +255,14 @@ struct journal_source {
 };
 
 enum journal_kind {
-    JOURNAL_AGENT,   /* name, kind, durable_seq, failed_seq, reserved_seq */
-    JOURNAL_MAIL,    /* row, letter, waiting, expires_wall_ns */
-    JOURNAL_WAITING, /* row, waiting: some receivers have settled it */
-    JOURNAL_GONE,    /* row to last_row: nobody waits for these */
-    JOURNAL_LINE,    /* lines, slot, line; present false and no key: the slot is free */
-    JOURNAL_RESET,   /* lines: all earlier ones of that kind are void */
-    JOURNAL_CLOCK,   /* run_wall_ns */
-    JOURNAL_CAPSULE, /* name, epoch, capsule */
+    JOURNAL_AGENT,    /* name, kind, durable_seq, failed_seq, reserved_seq */
+    JOURNAL_MAIL,     /* row, letter, waiting, expires_wall_ns */
+    JOURNAL_WAITING,  /* row, waiting: some receivers have settled it */
+    JOURNAL_GONE,     /* row to last_row: nobody waits for these */
+    JOURNAL_LINE,     /* lines, slot, line; present false and no key: the slot is free */
+    JOURNAL_RESET,    /* lines: all earlier ones of that kind are void */
+    JOURNAL_CLOCK,    /* run_wall_ns */
+    JOURNAL_SNAPSHOT, /* name, epoch, snapshot */
 };
 
 /* One row on its way to the disk, or from it. */
@@ -274,14 +273,14 @@ struct journal_entry {
     uint64_t durable_seq, failed_seq, reserved_seq;
     uint64_t row, last_row;
     muster_Mail letter;
-    const char *waiting;      /* names, joined by commas; behind a slash, store_mail_standing */
+    const char *waiting;      /* names, joined by commas; behind a slash, pool_mail_standing */
     uint64_t expires_wall_ns; /* nanoseconds since 1970; 0: never */
     enum journal_lines lines;
     uint32_t slot;
     struct journal_line line;
     uint64_t run_wall_ns; /* when the run's time was 0; 0: no run goes on by the wall */
     uint64_t epoch;
-    const char *capsule; /* of that agent; "": it has none any more */
+    const char *snapshot; /* of that agent; "": it has none any more */
 };
 
 struct journal_slots {
@@ -298,7 +297,7 @@ struct journal_cursor {
     struct mail *mail;
     enum journal_lines lines;
     uint32_t line;
-    uint32_t capsule;
+    uint32_t snapshot;
     bool clock_done, begun;
 };
 
@@ -387,52 +386,53 @@ void journal_remove(struct journal *j, struct mail *m);
 /** When the run that goes on by the wall was at 0; a lock step's time stands still without us. */
 uint64_t journal_run_wall_ns(const struct broker *b);
 
-/* --- audience.c ------------------------------------------------------------------------------ */
+/* --- recipients.c ---------------------------------------------------------------------------- */
 
 /* Whom a mail is for: names, a kind, a group, or whom a resolver has named. */
 
 /* The verbs of questions and changes. */
-enum audience_verb {
-    QUERY_LOOKUP,
-    QUERY_LISTING,
-    QUERY_GROUPS,
-    QUERY_MEMBERS,
-    QUERY_GROUP_CREATE,
-    QUERY_GROUP_JOIN,
-    QUERY_GROUP_LEAVE,
-    QUERY_ADVERTISE,
-    QUERY_WITHDRAW,
-    QUERY_FIND_SERVICE,
-    QUERY_SUBSCRIBE,
-    QUERY_UNSUBSCRIBE,
-    QUERY_VERBS
+enum recipients_verb {
+    VERB_LOOKUP,
+    VERB_LISTING,
+    VERB_GROUPS,
+    VERB_MEMBERS,
+    VERB_GROUP_CREATE,
+    VERB_GROUP_JOIN,
+    VERB_GROUP_LEAVE,
+    VERB_ADVERTISE,
+    VERB_WITHDRAW,
+    VERB_FIND_SERVICE,
+    VERB_SUBSCRIBE,
+    VERB_UNSUBSCRIBE,
+    VERB_VERBS
 };
 
-/** @return the verb of a mail to the broker; QUERY_VERBS: it is none */
-enum audience_verb audience_verb(const struct mail *question);
+/** @return the verb of a mail to the broker; VERB_VERBS: it is none */
+enum recipients_verb recipients_verb(const struct mail *question);
 
 /* Whom a mail is for, each once; too large to be cleared for every mail. */
-struct audience {
+struct recipients {
     uint32_t agents[REGISTRY_MAX];
     uint32_t count;
     uint32_t unknown; /* names that nobody ever had */
     uint32_t refused; /* those whom the sender may not direct: not among the agents */
-    uint32_t veiled;  /* those outside the lock step that the sender is in; set by posting_book */
+    uint32_t veiled;  /* those outside the lock step that the sender is in; set by deliver_book */
 };
 
 /**
  * Finds whom a letter is for.  Of an address SCHEME:REST nobody is found; it is an unknown name if
  * there is nobody to ask about it.
  */
-void audience_of_letter(struct broker *b, const muster_Mail *letter, uint32_t sender,
-                        struct audience *to);
+void recipients_of_letter(struct broker *b, const muster_Mail *letter, uint32_t sender,
+                          struct recipients *to);
 
 /** Finds whom a mail is for: its one receiver, if another broker has named that, or the letter's.
  */
-void audience_of_mail(struct broker *b, const struct mail *m, struct audience *to);
+void recipients_of_mail(struct broker *b, const struct mail *m, struct recipients *to);
 
 /** Finds the bearers of names that are joined by commas, the absent ones, too. */
-void audience_of_names(struct broker *b, const char *names, uint32_t sender, struct audience *to);
+void recipients_of_names(struct broker *b, const char *names, uint32_t sender,
+                         struct recipients *to);
 
 /**
  * Finds those whom a resolver has named: the sender, and who is nobody, are left out; of the lock
@@ -441,24 +441,25 @@ void audience_of_names(struct broker *b, const char *names, uint32_t sender, str
  * @param names  fields of content
  * @param to     out: one unknown name, if nobody is left: an address that nobody fits
  */
-void audience_of_answer(struct broker *b, const char *names, uint32_t sender, struct audience *to);
+void recipients_of_answer(struct broker *b, const char *names, uint32_t sender,
+                          struct recipients *to);
 
 /**
  * @return whether the agent is outside a lock step that the mail's sender is in: what becomes of
  *         the mail there, and when, is no business of those inside
  */
-bool audience_veils(const struct broker *b, const struct mail *m, uint32_t agent);
+bool recipients_veils(const struct broker *b, const struct mail *m, uint32_t agent);
 
 /** Takes those outside out of it: they are not reached. */
-void audience_unveil(const struct broker *b, const struct mail *m, struct audience *to);
+void recipients_unveil(const struct broker *b, const struct mail *m, struct recipients *to);
 
 /** @return the agent in whose name it is to change something, if it names one; else MU_NONE */
-uint32_t audience_named(const struct broker *b, const struct mail *question);
+uint32_t recipients_named(const struct broker *b, const struct mail *question);
 
 /** @return whether it is a change that names a member of the lock step */
-bool audience_has_member_change(const struct broker *b, const struct mail *question);
+bool recipients_has_member_change(const struct broker *b, const struct mail *question);
 
-/* --- booking.c ------------------------------------------------------------------------------- */
+/* --- ledger.c -------------------------------------------------------------------------------- */
 
 /*
  * What mail takes of the store is booked on its sender's account, and what is refused is counted
@@ -466,10 +467,10 @@ bool audience_has_member_change(const struct broker *b, const struct mail *quest
  */
 
 /** Books a mail and its places in boxes.  @return false: refused and counted */
-bool booking_take(struct broker *b, struct mail *m, uint32_t posts);
+bool ledger_charge(struct broker *b, struct mail *m, uint32_t posts);
 
 /** Books a mail of an earlier life of the broker.  @return false: the store is full */
-bool booking_restore(struct broker *b, struct mail *m, uint32_t posts);
+bool ledger_restore(struct broker *b, struct mail *m, uint32_t posts);
 
 /**
  * Books places in boxes outside the lock step that the sender is in.  They are not on its account
@@ -477,17 +478,17 @@ bool booking_restore(struct broker *b, struct mail *m, uint32_t posts);
  *
  * @return false: refused and counted; nobody inside may be told
  */
-bool booking_take_veiled(struct broker *b, struct mail *m, uint32_t posts);
+bool ledger_charge_veiled(struct broker *b, struct mail *m, uint32_t posts);
 
 /** Takes off its accounts what it has no more of: places, and with the last of them the mail. */
-void booking_give_back(struct broker *b, struct mail *m);
+void ledger_settle(struct broker *b, struct mail *m);
 
 /** Counts receivers that a mail does not reach; agent is whose box, or the broker itself. */
-void booking_refused(struct broker *b, const struct mail *m, uint32_t agent, enum share_answer why,
-                     uint64_t receivers);
+void ledger_refused(struct broker *b, const struct mail *m, uint32_t agent, enum quota_answer why,
+                    uint64_t receivers);
 
 /** One more event of a kind, now. */
-void booking_event(struct broker *b, enum event_kind kind, uint32_t agent, uint32_t sender);
+void ledger_alert(struct broker *b, enum alert_kind kind, uint32_t agent, uint32_t sender);
 
 /* --- outcome.c ------------------------------------------------------------------------------- */
 
@@ -548,7 +549,7 @@ void settle_tick(struct broker *b);
 /** @return when settle_tick, or a failed commit, is due, or UINT64_MAX */
 uint64_t settle_deadline_ns(const struct broker *b);
 
-/* --- posting.c ------------------------------------------------------------------------------- */
+/* --- deliver.c ------------------------------------------------------------------------------- */
 
 /* A mail whose receivers are known goes into their boxes, as far as there is room for it. */
 
@@ -558,31 +559,31 @@ uint64_t settle_deadline_ns(const struct broker *b);
  *
  * @return false: refused, counted, told, and freed
  */
-bool posting_book(struct broker *b, struct mail *m, struct audience *to);
+bool deliver_book(struct broker *b, struct mail *m, struct recipients *to);
 
 /* How a mail got into its boxes. */
-struct posted {
+struct delivered {
     bool held;   /* until a time of the run */
     bool fits;   /* into each box that its sender may know of */
     bool stored; /* some of its receivers do not take mail now */
 };
 
-/** Puts a booked mail into every box; keeps one use of it for posting_conclude. */
-struct posted posting_put(struct broker *b, struct mail *m, const struct audience *to);
+/** Puts a booked mail into every box; keeps one use of it for deliver_conclude. */
+struct delivered deliver_put(struct broker *b, struct mail *m, const struct recipients *to);
 
-/** Tells the sender what became of it at once, and gives back the use that posting_put kept. */
-void posting_conclude(struct broker *b, struct mail *m, const struct audience *to,
-                      const struct posted *done);
+/** Tells the sender what became of it at once, and gives back the use that deliver_put kept. */
+void deliver_conclude(struct broker *b, struct mail *m, const struct recipients *to,
+                      const struct delivered *done);
 
 /** @return whether a mail is to wait for a time of the run that is still to come */
-bool posting_is_held(const struct broker *b, const struct mail *m);
+bool deliver_is_held(const struct broker *b, const struct mail *m);
 
 /**
  * Notes when a mail that is in boxes is due, and when it expires.
  *
  * @param left_ns  of its time to live, if it has one
  */
-void posting_schedule(struct broker *b, struct mail *m, bool held, uint64_t left_ns);
+void deliver_schedule(struct broker *b, struct mail *m, bool held, uint64_t left_ns);
 
 /**
  * Puts a mail of an earlier life of the broker into its boxes.
@@ -591,13 +592,13 @@ void posting_schedule(struct broker *b, struct mail *m, bool held, uint64_t left
  * @param left_ns  of its time to live
  * @return false: nobody has room for it, and it is freed
  */
-bool posting_restore(struct broker *b, struct mail *m, const char *waiting, uint64_t left_ns);
+bool deliver_restore(struct broker *b, struct mail *m, const char *waiting, uint64_t left_ns);
 
 /** Sends a mail of the broker's own to an agent, as an answer; it takes of that agent's share. */
-void posting_send(struct broker *b, uint32_t receiver, const muster_Mail *letter);
+void deliver_send(struct broker *b, uint32_t receiver, const muster_Mail *letter);
 
-/** A mail has gone into the boxes of many: it may go out in a circular. */
-void posting_note_circular(struct broker *b, struct mail *m);
+/** A mail has gone into the boxes of many: it may go out in a multicast. */
+void deliver_note_multicast(struct broker *b, struct mail *m);
 
 /* --- answer.c -------------------------------------------------------------------------------- */
 
@@ -663,7 +664,7 @@ struct resolve_queue {
 struct resolve {
     struct resolve_wait *waits; /* MU_RESOLVE_MAX for members of the lock step, and for others */
     uint32_t used, free;        /* high-water mark; list of those given back */
-    uint32_t side_count[SHARE_SIDES];
+    uint32_t side_count[QUOTA_SIDES];
     struct resolve_queue *queues; /* of each agent of the registry */
     uint32_t asked_first, asked_last;
     uint64_t soonest_ns;     /* no patience ends before this, mail clock */

@@ -9,7 +9,7 @@
 static bool news_can_wait(struct broker *b, uint32_t sender, muster_Outcome result)
 {
     bool bad = result == muster_OUTCOME_BOX_FULL || result == muster_OUTCOME_DROPPED;
-    return bad && !names_is_paced(b, sender) && pacer_holds(&b->pacer, sender, b->clock.now_ns);
+    return bad && !names_is_paced(b, sender) && limiter_holds(&b->limiter, sender, b->clock.now_ns);
 }
 
 void outcome_tell(struct broker *b, uint32_t sender, uint64_t first_seq, uint64_t last_seq,
@@ -21,15 +21,15 @@ void outcome_tell(struct broker *b, uint32_t sender, uint64_t first_seq, uint64_
     }
     receipts_add(&b->receipts, sender, first_seq, last_seq, result);
     if (a->process != MU_NONE && !news_can_wait(b, sender, result)) {
-        tenants_wake(&b->registry, &b->places, sender);
+        residents_wake(&b->registry, &b->processes, sender);
     }
 }
 
 void outcome_tick(struct broker *b)
 {
     uint32_t agent;
-    while ((agent = pacer_next(&b->pacer, b->clock.now_ns)) != MU_NONE) {
-        tenants_wake(&b->registry, &b->places, agent);
+    while ((agent = limiter_next(&b->limiter, b->clock.now_ns)) != MU_NONE) {
+        residents_wake(&b->registry, &b->processes, agent);
     }
 }
 
@@ -48,7 +48,7 @@ void outcome_end(struct broker *b, struct mail *m, muster_Outcome result)
 void outcome_refuse(struct broker *b, struct mail *m, uint32_t unknown, muster_Outcome result)
 {
     outcome_end(b, m, unknown > 0 ? muster_OUTCOME_UNKNOWN_NAME : result);
-    store_release(&b->store, m);
+    pool_release(&b->pool, m);
 }
 
 void outcome_stored(struct broker *b, struct mail *m)
@@ -83,13 +83,13 @@ void outcome_settle(struct broker *b, struct mail *m)
     b->counters.waiting--;
     MU_ASSERT(m->unsettled > 0);
     m->unsettled--;
-    booking_give_back(b, m);
+    ledger_settle(b, m);
     journal_settled(b, m);
     if (m->unsettled == 0) {
-        schedule_remove(&b->due, m);
-        schedule_remove(&b->expiry, m);
-        ages_remove(&b->ages, m);
+        timers_remove(&b->due, m);
+        timers_remove(&b->expiry, m);
+        arrivals_remove(&b->arrivals, m);
         answer_settled(b, m);
-        store_release(&b->store, m);
+        pool_release(&b->pool, m);
     }
 }

@@ -23,7 +23,7 @@ void resolve_init(struct resolve *r, uint32_t agents)
 {
     *r = (struct resolve){
         .free = MU_NONE, .asked_first = MU_NONE, .asked_last = MU_NONE, .soonest_ns = UINT64_MAX};
-    r->waits = mu_startup_array(SHARE_SIDES * MU_RESOLVE_MAX, sizeof *r->waits);
+    r->waits = mu_startup_array(QUOTA_SIDES * MU_RESOLVE_MAX, sizeof *r->waits);
     r->queues = mu_startup_array(agents, sizeof *r->queues);
 }
 
@@ -42,7 +42,7 @@ enum resolve_need resolve_needs(const struct broker *b, const struct mail *m)
     if (!follows && !(is_address && view_has_resolver(b, m->letter.dst))) {
         return RESOLVE_NOTHING;
     }
-    enum share_side side = names_in_lockstep(b, m->sender) ? SHARE_LOCKSTEP : SHARE_OUTSIDE;
+    enum quota_side side = names_in_lockstep(b, m->sender) ? QUOTA_LOCKSTEP : QUOTA_OUTSIDE;
     bool full = queue->count == MU_RESOLVE_SENDER_MAX || r->side_count[side] == MU_RESOLVE_MAX;
     return full ? RESOLVE_FULL : RESOLVE_WAIT;
 }
@@ -57,7 +57,7 @@ static uint32_t wait_take(struct resolve *r, const struct mail *m)
     } else {
         index = r->used++;
     }
-    MU_ASSERT(index < SHARE_SIDES * MU_RESOLVE_MAX);
+    MU_ASSERT(index < QUOTA_SIDES * MU_RESOLVE_MAX);
     r->side_count[m->side]++;
     r->waiting++;
     return index;
@@ -112,7 +112,7 @@ void resolve_wait(struct broker *b, struct mail *m)
     uint32_t index = wait_take(r, m);
     struct resolve_wait *w = &r->waits[index];
     *w = (struct resolve_wait){
-        .mail = m, .next = MU_NONE, .since_ns = runclock_mail_ns(&b->clock), .resolver = MU_NONE};
+        .mail = m, .next = MU_NONE, .since_ns = clock_mail_ns(&b->clock), .resolver = MU_NONE};
     if (queue->count++ > 0) {
         r->waits[queue->last].next = index;
     } else {
@@ -142,8 +142,8 @@ struct mail *resolve_next_ready(struct broker *b, uint32_t sender, struct mail *
     r->free = index;
     r->side_count[w.mail->side]--;
     r->waiting--;
-    booking_give_back(b, w.mail);
-    uint64_t waited_ns = runclock_mail_ns(&b->clock) - w.since_ns;
+    ledger_settle(b, w.mail);
+    uint64_t waited_ns = clock_mail_ns(&b->clock) - w.since_ns;
     if (w.mail->letter.ttl_ns > 0) { /* 0 would be for ever */
         uint64_t ttl_ns = w.mail->letter.ttl_ns;
         w.mail->letter.ttl_ns = ttl_ns > waited_ns ? ttl_ns - waited_ns : 1;
@@ -161,7 +161,7 @@ static uint32_t wait_answer(struct broker *b, uint32_t index, struct mail *answe
     w->state = RESOLVE_ANSWERED;
     w->answer = answer;
     if (answer) {
-        store_keep(answer);
+        pool_keep(answer);
     }
     return w->mail->sender;
 }

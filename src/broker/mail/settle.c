@@ -10,24 +10,24 @@
 #include <string.h>
 
 /* Counts those whom a mail does not reach. */
-static void receivers_count(struct broker *b, const struct mail *m, struct audience *to)
+static void receivers_count(struct broker *b, const struct mail *m, struct recipients *to)
 {
-    audience_of_mail(b, m, to);
+    recipients_of_mail(b, m, to);
     b->counters.sent += to->count + to->unknown;
     b->counters.unknown_name += to->unknown;
 }
 
 void settle_turn_away(struct broker *b, struct mail *m)
 {
-    struct audience to;
+    struct recipients to;
     receivers_count(b, m, &to);
-    booking_refused(b, m, REGISTRY_BROKER, SHARE_OVER, to.count);
+    ledger_refused(b, m, REGISTRY_BROKER, QUOTA_OVER, to.count);
     outcome_refuse(b, m, to.unknown, muster_OUTCOME_BOX_FULL);
 }
 
 void settle_drop(struct broker *b, struct mail *m)
 {
-    struct audience to;
+    struct recipients to;
     receivers_count(b, m, &to);
     b->counters.dropped += to.count;
     outcome_refuse(b, m, 0, muster_OUTCOME_DROPPED);
@@ -36,12 +36,12 @@ void settle_drop(struct broker *b, struct mail *m)
 void settle_admit_due(struct broker *b, uint64_t run_ns)
 {
     struct mail *m;
-    while (b->clock.runs && (m = schedule_first(&b->due)) && m->at_ns[SCHEDULE_DUE] <= run_ns) {
-        schedule_remove(&b->due, m);
+    while (b->clock.runs && (m = timers_first(&b->due)) && m->at_ns[TIMERS_DUE] <= run_ns) {
+        timers_remove(&b->due, m);
         for (uint32_t post = m->posts; post != MU_NONE;
              post = b->mailbox.posts[post].sibling_next) {
             mailbox_admit(&b->mailbox, post);
-            tenants_wake(&b->registry, &b->places, b->mailbox.posts[post].agent);
+            residents_wake(&b->registry, &b->processes, b->mailbox.posts[post].agent);
         }
     }
 }
@@ -67,22 +67,22 @@ void settle_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
         struct mail *m = mailbox_pop(&b->mailbox, agent);
         m->passed_on = m->passed_on || beyond;
         journal_acknowledged(b, agent, m);
-        *(beyond ? &b->liaison.count.passed_on : &b->counters.delivered) += 1;
+        *(beyond ? &b->federation.count.passed_on : &b->counters.delivered) += 1;
         outcome_settle(b, m);
     }
     if (!names_is_paced(b, agent)) {
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
     }
-    tenants_wake(&b->registry, &b->places, agent);
+    residents_wake(&b->registry, &b->processes, agent);
 }
 
 void settle_expire(struct broker *b, uint64_t mail_ns)
 {
     struct mail *m;
-    while ((m = schedule_first(&b->expiry)) && m->at_ns[SCHEDULE_EXPIRY] <= mail_ns) {
-        schedule_remove(&b->expiry, m);
+    while ((m = timers_first(&b->expiry)) && m->at_ns[TIMERS_EXPIRY] <= mail_ns) {
+        timers_remove(&b->expiry, m);
         uint32_t next = MU_NONE;
-        store_keep(m);
+        pool_keep(m);
         for (uint32_t post = m->posts; post != MU_NONE; post = next) {
             next = b->mailbox.posts[post].sibling_next;
             if (b->mailbox.posts[post].list != POST_FLIGHT) {
@@ -92,7 +92,7 @@ void settle_expire(struct broker *b, uint64_t mail_ns)
                 outcome_settle(b, m);
             }
         }
-        store_release(&b->store, m);
+        pool_release(&b->pool, m);
     }
 }
 
@@ -115,14 +115,14 @@ void settle_undo(struct broker *b, struct mail *m)
         b->counters.waiting--;
         b->counters.no_store++;
         m->unsettled--;
-        booking_give_back(b, m);
+        ledger_settle(b, m);
     }
     MU_ASSERT(m->unsettled == 0);
-    schedule_remove(&b->due, m);
-    schedule_remove(&b->expiry, m);
-    ages_remove(&b->ages, m);
+    timers_remove(&b->due, m);
+    timers_remove(&b->expiry, m);
+    arrivals_remove(&b->arrivals, m);
     outcome_end(b, m, muster_OUTCOME_NO_STORE);
-    store_release(&b->store, m);
+    pool_release(&b->pool, m);
 }
 
 /* So long the broker keeps receipts for senders of an earlier life of it, and for those who have
@@ -155,7 +155,7 @@ void settle_tick(struct broker *b)
         return;
     }
     b->journal.awaits = false;
-    uint64_t wall_ns = runclock_wall_ns(b);
+    uint64_t wall_ns = clock_wall_ns(b);
     for (uint32_t i = 0; i < b->registry.count; i++) {
         struct agent *a = &b->registry.agents[i];
         uint64_t absent_ns = wall_ns - a->since_wall_ns;

@@ -15,45 +15,45 @@ static const uint64_t HOST_NS = 3000000000;
 /* Who is gone by the network's word may have been slow only: a lock step waits for so long. */
 static const uint64_t LOSS_NS = 1000000000;
 
-void snapshots_init(struct depot *d)
+void snapshots_init(struct snapshots *d)
 {
     for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
-        d->capsules[i].text = mu_startup_alloc(MU_CAPSULE_MAX);
+        d->snapshots[i].text = mu_startup_alloc(MU_CAPSULE_MAX);
     }
 }
 
-static uint32_t capsule_find(const struct broker *b, uint32_t agent)
+static uint32_t snapshot_find(const struct broker *b, uint32_t agent)
 {
-    const struct depot *d = &b->depot;
+    const struct snapshots *d = &b->snapshots;
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && d->count > 0; i++) {
-        if (d->capsules[i].phase != DEPOT_FREE && d->capsules[i].agent == agent) {
+        if (d->snapshots[i].phase != SNAPSHOT_FREE && d->snapshots[i].agent == agent) {
             return i;
         }
     }
     return MU_NONE;
 }
 
-static struct depot_capsule *capsule_of(struct broker *b, uint32_t agent)
+static struct snapshot *snapshot_of(struct broker *b, uint32_t agent)
 {
-    uint32_t i = capsule_find(b, agent);
-    return i != MU_NONE ? &b->depot.capsules[i] : NULL;
+    uint32_t i = snapshot_find(b, agent);
+    return i != MU_NONE ? &b->snapshots.snapshots[i] : NULL;
 }
 
 /* --- words ------------------------------------------------------------------------------------ */
 
-/* To a process that is no more, or an arrival whose capsule has gone since. */
-static bool word_is_void(const struct broker *b, const struct depot_word *w)
+/* To a process that is no more, or an arrival whose snapshot has gone since. */
+static bool word_is_void(const struct broker *b, const struct snapshot_word *w)
 {
-    const struct place *at = &b->places.at[w->place];
-    const struct depot_capsule *c = &b->depot.capsules[w->capsule];
+    const struct process *at = &b->processes.at[w->place];
+    const struct snapshot *c = &b->snapshots.snapshots[w->snapshot];
     if (!at->used || strcmp(at->name, w->process) != 0) {
         return true;
     }
     return w->word == muster_TRIP_ARRIVE &&
-           (c->phase != DEPOT_SENT || strcmp(c->name, w->name) != 0 || c->epoch != w->epoch);
+           (c->phase != SNAPSHOT_SENT || strcmp(c->name, w->name) != 0 || c->epoch != w->epoch);
 }
 
-static void word_remove(struct depot *d, uint32_t i)
+static void word_remove(struct snapshots *d, uint32_t i)
 {
     d->words_count--;
     memmove(&d->words[i], &d->words[i + 1], (d->words_count - i) * sizeof d->words[0]);
@@ -61,42 +61,42 @@ static void word_remove(struct depot *d, uint32_t i)
 
 static void words_tidy(struct broker *b)
 {
-    for (uint32_t i = b->depot.words_count; i > 0; i--) {
-        if (word_is_void(b, &b->depot.words[i - 1])) {
-            word_remove(&b->depot, i - 1);
+    for (uint32_t i = b->snapshots.words_count; i > 0; i--) {
+        if (word_is_void(b, &b->snapshots.words[i - 1])) {
+            word_remove(&b->snapshots, i - 1);
         }
     }
 }
 
-void snapshots_say(struct broker *b, const struct depot_word *word)
+void snapshots_say(struct broker *b, const struct snapshot_word *word)
 {
-    struct depot *d = &b->depot;
+    struct snapshots *d = &b->snapshots;
     if (word->place == MU_NONE) {
         return;
     }
-    if (d->words_count == DEPOT_WORDS) {
+    if (d->words_count == SNAPSHOT_WORDS) {
         words_tidy(b);
     }
-    if (d->words_count == DEPOT_WORDS) {
+    if (d->words_count == SNAPSHOT_WORDS) {
         d->lost++;
         return;
     }
-    struct depot_word *said = &d->words[d->words_count++];
+    struct snapshot_word *said = &d->words[d->words_count++];
     *said = *word;
-    (void)mu_text_copy(said->process, sizeof said->process, b->places.at[word->place].name);
-    places_wake(&b->places, word->place);
+    (void)mu_text_copy(said->process, sizeof said->process, b->processes.at[word->place].name);
+    processes_wake(&b->processes, word->place);
 }
 
-void snapshots_tell(struct broker *b, const struct depot_capsule *c, uint32_t place,
-                    muster_TripWord say, const char *reason)
+void snapshots_tell(struct broker *b, const struct snapshot *c, uint32_t place, muster_TripWord say,
+                    const char *reason)
 {
-    struct depot_word word = {.place = place,
-                              .word = say,
-                              .asker = c->agent == MU_NONE ? c->asker : MU_NONE,
-                              .host = c->host,
-                              .at = c->target,
-                              .epoch = c->epoch,
-                              .capsule = (uint32_t)(c - b->depot.capsules)};
+    struct snapshot_word word = {.place = place,
+                                 .word = say,
+                                 .asker = c->agent == MU_NONE ? c->asker : MU_NONE,
+                                 .host = c->host,
+                                 .at = c->target,
+                                 .epoch = c->epoch,
+                                 .snapshot = (uint32_t)(c - b->snapshots.snapshots)};
     (void)mu_text_copy(word.name, sizeof word.name, c->name);
     (void)mu_text_copy(word.reason, sizeof word.reason, reason);
     snapshots_say(b, &word);
@@ -105,12 +105,12 @@ void snapshots_tell(struct broker *b, const struct depot_capsule *c, uint32_t pl
 void snapshots_refuse_copy(struct broker *b, uint32_t place, const char *name, uint64_t epoch,
                            const char *reason)
 {
-    struct depot_word word = {.place = place,
-                              .word = muster_TRIP_REFUSED,
-                              .asker = MU_NONE,
-                              .host = MU_NONE,
-                              .at = MU_NONE,
-                              .epoch = epoch};
+    struct snapshot_word word = {.place = place,
+                                 .word = muster_TRIP_REFUSED,
+                                 .asker = MU_NONE,
+                                 .host = MU_NONE,
+                                 .at = MU_NONE,
+                                 .epoch = epoch};
     (void)mu_text_copy(word.name, sizeof word.name, name);
     (void)mu_text_copy(word.reason, sizeof word.reason, reason);
     snapshots_say(b, &word);
@@ -118,7 +118,7 @@ void snapshots_refuse_copy(struct broker *b, uint32_t place, const char *name, u
 
 bool snapshots_next(struct broker *b, uint32_t place, muster_Trip *out)
 {
-    struct depot *d = &b->depot;
+    struct snapshots *d = &b->snapshots;
     uint32_t i = 0;
     while (i < d->words_count && (d->words[i].place != place || word_is_void(b, &d->words[i]))) {
         if (d->words[i].place == place) {
@@ -130,75 +130,75 @@ bool snapshots_next(struct broker *b, uint32_t place, muster_Trip *out)
     if (i == d->words_count) {
         return false;
     }
-    const struct depot_word *w = &d->words[i];
+    const struct snapshot_word *w = &d->words[i];
     bool arrives = w->word == muster_TRIP_ARRIVE;
     d->open = i;
     *out = (muster_Trip){.word = w->word, .epoch = w->epoch};
     out->agent = sample_text(w->name);
     out->asker = sample_text(w->asker != MU_NONE ? b->registry.agents[w->asker].name : "");
     out->host = sample_text(w->host != MU_NONE ? b->registry.agents[w->host].name : "");
-    out->process = sample_text(w->at != MU_NONE ? b->places.at[w->at].name : "");
+    out->process = sample_text(w->at != MU_NONE ? b->processes.at[w->at].name : "");
     out->reason = sample_text(w->reason);
-    out->text = sample_text(arrives ? d->capsules[w->capsule].text : "");
+    out->text = sample_text(arrives ? d->snapshots[w->snapshot].text : "");
     return true;
 }
 
 void snapshots_sent(struct broker *b)
 {
-    word_remove(&b->depot, b->depot.open);
+    word_remove(&b->snapshots, b->snapshots.open);
 }
 
 /* --- keeping ---------------------------------------------------------------------------------- */
 
-void snapshots_drop(struct broker *b, struct depot_capsule *c)
+void snapshots_drop(struct broker *b, struct snapshot *c)
 {
-    b->depot.holding -= c->holds;
-    b->depot.count--;
+    b->snapshots.holding -= c->holds;
+    b->snapshots.count--;
     c->holds = false;
-    c->phase = DEPOT_FREE;
+    c->phase = SNAPSHOT_FREE;
     c->unsaved = b->journal.on && c->agent != MU_NONE; /* its line on disk goes */
 }
 
-/* @return a place for a capsule of that agent, first that of an older one whose line on disk is to
+/* @return a place for a snapshot of that agent, first that of an older one whose line on disk is to
  *         go; MU_NONE: for a new one's; NULL: there is none */
-static struct depot_capsule *capsule_take(struct broker *b, uint32_t agent)
+static struct snapshot *snapshot_take(struct broker *b, uint32_t agent)
 {
-    struct depot *d = &b->depot;
-    struct depot_capsule *room = NULL, *c = agent != MU_NONE ? capsule_of(b, agent) : NULL;
+    struct snapshots *d = &b->snapshots;
+    struct snapshot *room = NULL, *c = agent != MU_NONE ? snapshot_of(b, agent) : NULL;
     if (c) {
         snapshots_drop(b, c);
     }
     for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
-        struct depot_capsule *at = &d->capsules[i];
-        if (at->phase == DEPOT_FREE && at->unsaved && at->agent == agent) {
+        struct snapshot *at = &d->snapshots[i];
+        if (at->phase == SNAPSHOT_FREE && at->unsaved && at->agent == agent) {
             return at;
         }
-        room = at->phase == DEPOT_FREE && !at->unsaved && !room ? at : room;
+        room = at->phase == SNAPSHOT_FREE && !at->unsaved && !room ? at : room;
     }
     return room;
 }
 
-struct depot_capsule *snapshots_add(struct broker *b, uint32_t agent, const char *name,
-                                    uint64_t epoch, const char *text)
+struct snapshot *snapshots_add(struct broker *b, uint32_t agent, const char *name, uint64_t epoch,
+                               const char *text)
 {
-    struct depot_capsule *c = capsule_take(b, agent);
+    struct snapshot *c = snapshot_take(b, agent);
     if (!c) {
         return NULL;
     }
-    *c = (struct depot_capsule){.phase = DEPOT_KEPT,
-                                .agent = agent,
-                                .asker = agent,
-                                .epoch = epoch,
-                                .source = MU_NONE,
-                                .target = MU_NONE,
-                                .host = MU_NONE,
-                                .unsaved = b->journal.on && agent != MU_NONE,
-                                .len = strlen(text),
-                                .text = c->text};
+    *c = (struct snapshot){.phase = SNAPSHOT_KEPT,
+                           .agent = agent,
+                           .asker = agent,
+                           .epoch = epoch,
+                           .source = MU_NONE,
+                           .target = MU_NONE,
+                           .host = MU_NONE,
+                           .unsaved = b->journal.on && agent != MU_NONE,
+                           .len = strlen(text),
+                           .text = c->text};
     (void)mu_text_copy(c->name, sizeof c->name, name);
     memcpy(c->text, text, c->len + 1);
-    b->depot.count++;
-    b->depot.kept++;
+    b->snapshots.count++;
+    b->snapshots.kept++;
     return c;
 }
 
@@ -207,40 +207,39 @@ bool snapshots_restore(struct broker *b, uint32_t agent, uint64_t epoch, const c
     size_t len = strnlen(text, MU_CAPSULE_MAX);
     bool fits = len > 0 && len < MU_CAPSULE_MAX;
     const char *name = b->registry.agents[agent].name;
-    struct depot_capsule *c = fits ? snapshots_add(b, agent, name, epoch, text) : NULL;
+    struct snapshot *c = fits ? snapshots_add(b, agent, name, epoch, text) : NULL;
     if (c) {
         c->unsaved = false;
     }
     return c != NULL;
 }
 
-void snapshots_refuse(struct broker *b, struct depot_capsule *c, const char *reason)
+void snapshots_refuse(struct broker *b, struct snapshot *c, const char *reason)
 {
     bool held = c->holds;
-    b->depot.refused++;
-    b->depot.holding -= held;
+    b->snapshots.refused++;
+    b->snapshots.holding -= held;
     c->holds = false;
-    c->phase = DEPOT_KEPT;
+    c->phase = SNAPSHOT_KEPT;
     snapshots_tell(b, c, c->source, muster_TRIP_REFUSED, reason);
     if (c->agent == MU_NONE) {
         snapshots_drop(b, c);
     }
 }
 
-void snapshots_send(struct broker *b, struct depot_capsule *c)
+void snapshots_send(struct broker *b, struct snapshot *c)
 {
     c->target = b->registry.agents[c->host].process;
-    c->phase = DEPOT_SENT;
+    c->phase = SNAPSHOT_SENT;
     c->until_ns = b->clock.now_ns + HOST_NS;
     snapshots_tell(b, c, c->target, muster_TRIP_ARRIVE, "");
 }
 
-struct depot_capsule *snapshots_answered_by(struct broker *b, uint32_t place,
-                                            const muster_Trip *trip)
+struct snapshot *snapshots_answered_by(struct broker *b, uint32_t place, const muster_Trip *trip)
 {
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.count > 0; i++) {
-        struct depot_capsule *c = &b->depot.capsules[i];
-        if (c->phase == DEPOT_SENT && c->target == place && c->epoch == trip->epoch &&
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.count > 0; i++) {
+        struct snapshot *c = &b->snapshots.snapshots[i];
+        if (c->phase == SNAPSHOT_SENT && c->target == place && c->epoch == trip->epoch &&
             strcmp(c->name, trip->agent) == 0) {
             return c;
         }
@@ -250,17 +249,17 @@ struct depot_capsule *snapshots_answered_by(struct broker *b, uint32_t place,
 
 void snapshots_process_gone(struct broker *b, uint32_t place)
 {
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.count > 0; i++) {
-        struct depot_capsule *c = &b->depot.capsules[i];
-        if (c->phase != DEPOT_FREE && c->source == place) {
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.count > 0; i++) {
+        struct snapshot *c = &b->snapshots.snapshots[i];
+        if (c->phase != SNAPSHOT_FREE && c->source == place) {
             c->source = MU_NONE;
         }
         if (c->holds && c->target == place) {
             uint64_t until_ns = b->clock.now_ns + LOSS_NS;
             c->until_ns = c->until_ns < until_ns ? c->until_ns : until_ns;
-        } else if (c->phase == DEPOT_SENT && c->target == place) {
+        } else if (c->phase == SNAPSHOT_SENT && c->target == place) {
             snapshots_refuse(b, c, "host-absent");
-        } else if (c->phase == DEPOT_KEPT && c->target == place) {
+        } else if (c->phase == SNAPSHOT_KEPT && c->target == place) {
             snapshots_tell(b, c, c->source, muster_TRIP_REFUSED,
                            "host-absent"); /* it takes it back */
             c->target = MU_NONE;
@@ -269,7 +268,7 @@ void snapshots_process_gone(struct broker *b, uint32_t place)
 }
 
 /* The agent lives at its target. */
-static void capsule_end(struct broker *b, struct depot_capsule *c)
+static void snapshot_end(struct broker *b, struct snapshot *c)
 {
     if (!c->seated) {
         c->target = b->registry.agents[c->agent].process;
@@ -280,7 +279,7 @@ static void capsule_end(struct broker *b, struct depot_capsule *c)
 
 void snapshots_review(struct broker *b, uint32_t agent)
 {
-    struct depot_capsule *c = capsule_of(b, agent);
+    struct snapshot *c = snapshot_of(b, agent);
     if (!c || c->holds) {
         return;
     }
@@ -289,16 +288,16 @@ void snapshots_review(struct broker *b, uint32_t agent)
     bool elsewhere = a->process != c->source && a->is.epoch == c->epoch;
     if (a->is.epoch > c->epoch) {
         snapshots_drop(b, c);
-    } else if (lives && elsewhere && c->phase == DEPOT_KEPT && !(c->seated && b->lockstep.on)) {
-        capsule_end(b, c);
+    } else if (lives && elsewhere && c->phase == SNAPSHOT_KEPT && !(c->seated && b->lockstep.on)) {
+        snapshot_end(b, c);
     }
 }
 
 void snapshots_heard(struct broker *b, uint32_t agent, uint32_t place)
 {
-    struct depot_capsule *c = capsule_of(b, agent);
-    if (c && !c->holds && c->phase == DEPOT_KEPT && place != c->source) {
-        capsule_end(b, c);
+    struct snapshot *c = snapshot_of(b, agent);
+    if (c && !c->holds && c->phase == SNAPSHOT_KEPT && place != c->source) {
+        snapshot_end(b, c);
     }
 }
 
@@ -315,12 +314,12 @@ bool snapshots_overrule(const struct broker *b, uint32_t agent, uint32_t place,
                         const struct presence *is)
 {
     const struct agent *a = &b->registry.agents[agent];
-    const struct place *at = &b->places.at[place];
+    const struct process *at = &b->processes.at[place];
     if ((a->passed && at->rostered) || has_left(b, a, at->seat, is)) {
         return true;
     }
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.holding > 0; i++) {
-        const struct depot_capsule *c = &b->depot.capsules[i];
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.holding > 0; i++) {
+        const struct snapshot *c = &b->snapshots.snapshots[i];
         if (c->holds && strcmp(c->name, a->name) == 0 && c->target == place) {
             return true;
         }
@@ -330,20 +329,20 @@ bool snapshots_overrule(const struct broker *b, uint32_t agent, uint32_t place,
 
 bool snapshots_keep(const struct broker *b, uint32_t agent)
 {
-    return capsule_find(b, agent) != MU_NONE;
+    return snapshot_find(b, agent) != MU_NONE;
 }
 
 bool snapshots_have_later(const struct broker *b, uint32_t agent, uint64_t epoch)
 {
-    uint32_t i = capsule_find(b, agent);
-    return i != MU_NONE && epoch > 0 && b->depot.capsules[i].epoch > epoch;
+    uint32_t i = snapshot_find(b, agent);
+    return i != MU_NONE && epoch > 0 && b->snapshots.snapshots[i].epoch > epoch;
 }
 
 uint64_t snapshots_deadline_ns(const struct broker *b)
 {
     uint64_t first_ns = UINT64_MAX;
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.holding > 0; i++) {
-        const struct depot_capsule *c = &b->depot.capsules[i];
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.holding > 0; i++) {
+        const struct snapshot *c = &b->snapshots.snapshots[i];
         first_ns = c->holds && c->until_ns < first_ns ? c->until_ns : first_ns;
     }
     return first_ns;

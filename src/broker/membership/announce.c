@@ -10,7 +10,7 @@ static const uint64_t HEARTBEAT_NS = 300000000;
 
 static char nothing[1];
 
-static void part_mark(struct liaison *l, uint32_t part)
+static void part_mark(struct federation *l, uint32_t part)
 {
     l->due_count += !l->due[part];
     l->due[part] = true;
@@ -24,29 +24,29 @@ static uint32_t agents_said(const struct broker *b)
 void announce_all(struct broker *b)
 {
     for (uint32_t i = 0; i < agents_said(b); i += MU_PART_AGENTS) {
-        part_mark(&b->liaison, i / MU_PART_AGENTS);
+        part_mark(&b->federation, i / MU_PART_AGENTS);
     }
-    part_mark(&b->liaison, 0);
-    b->liaison.version_said = b->registry.changes.version;
+    part_mark(&b->federation, 0);
+    b->federation.version_said = b->registry.changes.version;
 }
 
 void announce_to(struct broker *b, uint32_t listeners)
 {
-    if (b->liaison.listeners == 0 && listeners > 0) {
+    if (b->federation.listeners == 0 && listeners > 0) {
         announce_all(b);
     }
-    b->liaison.listeners = listeners;
+    b->federation.listeners = listeners;
 }
 
-static void changes_mark(struct broker *b)
+static void changelog_mark(struct broker *b)
 {
-    struct liaison *l = &b->liaison;
-    const struct changes *c = &b->registry.changes;
+    struct federation *l = &b->federation;
+    const struct changelog *c = &b->registry.changes;
     if (l->version_said == c->version) {
         return;
     }
-    for (uint32_t agent = changes_after(c, l->version_said); agent != MU_NONE;
-         agent = changes_next(c, agent)) {
+    for (uint32_t agent = changelog_after(c, l->version_said); agent != MU_NONE;
+         agent = changelog_next(c, agent)) {
         if (!registry_is_own(agent)) {
             part_mark(l, (agent - REGISTRY_OWN) / MU_PART_AGENTS);
         }
@@ -84,11 +84,11 @@ static muster_Entry entry_of(struct broker *b, uint32_t agent)
 
 bool announce_next(struct broker *b, muster_Registration *out)
 {
-    struct liaison *l = &b->liaison;
+    struct federation *l = &b->federation;
     if (l->listeners == 0) {
         return false;
     }
-    changes_mark(b);
+    changelog_mark(b);
     if (l->due_count == 0) {
         return false;
     }
@@ -116,7 +116,7 @@ bool announce_next(struct broker *b, muster_Registration *out)
 
 void announce_done(struct broker *b)
 {
-    struct liaison *l = &b->liaison;
+    struct federation *l = &b->federation;
     l->due[l->part_open] = false;
     l->due_count--;
     l->count.announced++;
@@ -124,7 +124,7 @@ void announce_done(struct broker *b)
 
 void announce_tick(struct broker *b)
 {
-    struct liaison *l = &b->liaison;
+    struct federation *l = &b->federation;
     if (announce_deadline_ns(b) <= b->clock.now_ns) {
         part_mark(l, 0);
         l->beat_ns = b->clock.now_ns + HEARTBEAT_NS;
@@ -133,5 +133,5 @@ void announce_tick(struct broker *b)
 
 uint64_t announce_deadline_ns(const struct broker *b)
 {
-    return b->liaison.listeners > 0 ? b->liaison.beat_ns : UINT64_MAX;
+    return b->federation.listeners > 0 ? b->federation.beat_ns : UINT64_MAX;
 }

@@ -12,11 +12,11 @@
 /* --- coming and going --------------------------------------------------------------------------
  */
 
-static void ways_lose(struct broker *b, struct peer *p)
+static void routes_lose(struct broker *b, struct peer *p)
 {
     for (uint32_t i = REGISTRY_OWN; i < b->registry.count; i++) {
-        if (p->ways[i].present) {
-            remote_lose_way(b, p, i);
+        if (p->routes[i].present) {
+            remote_lose_route(b, p, i);
             lifecycle_review(b, i);
         }
     }
@@ -24,14 +24,14 @@ static void ways_lose(struct broker *b, struct peer *p)
 
 void federation_lose(struct broker *b, uint32_t place)
 {
-    struct place *at = &b->places.at[place];
+    struct process *at = &b->processes.at[place];
     struct peer *p = remote_peer(b, remote_name(at->name));
     at->lost = true;
     if (p && p->there) {
-        ways_lose(b, p);
+        routes_lose(b, p);
         remote_set_there(b, p, false);
     }
-    places_tidy(&b->places, place);
+    processes_tidy(&b->processes, place);
 }
 
 struct peer *federation_meet(struct broker *b, const char *name, uint64_t incarnation)
@@ -43,7 +43,7 @@ struct peer *federation_meet(struct broker *b, const char *name, uint64_t incarn
     }
     p->heard_ns = b->clock.now_ns;
     if (incarnation > p->incarnation) {
-        ways_lose(b, p);
+        routes_lose(b, p);
         remote_forget_numbers(b, p);
         p->incarnation = incarnation;
     }
@@ -53,16 +53,16 @@ struct peer *federation_meet(struct broker *b, const char *name, uint64_t incarn
 /* @return the place of a neighbour, or MU_NONE: there are too many processes */
 static uint32_t place_hear(struct broker *b, struct peer *p)
 {
-    uint32_t place = places_get(&b->places, p->place);
+    uint32_t place = processes_get(&b->processes, p->place);
     if (place == MU_NONE) {
         return MU_NONE;
     }
-    struct place *at = &b->places.at[place];
+    struct process *at = &b->processes.at[place];
     at->is_broker = true;
     at->incarnation = p->incarnation;
     if (!p->there || at->lost) { /* what it said while it was not heard */
         at->roll_call_due = true;
-        places_wake(&b->places, place);
+        processes_wake(&b->processes, place);
     }
     at->lost = false;
     remote_set_there(b, p, true);
@@ -74,9 +74,9 @@ static uint32_t place_hear(struct broker *b, struct peer *p)
 
 static bool entry_is_whole(const muster_Entry *e)
 {
-    return border_entry(e, true) && border_string(e->name, MU_NAME_MAX) &&
-           !registry_objection(e->name, e->kind) && border_string(e->via, MU_NAME_MAX) &&
-           border_string(e->host, MU_FIELD_MAX) &&
+    return validate_entry(e, true) && validate_string(e->name, MU_NAME_MAX) &&
+           !registry_objection(e->name, e->kind) && validate_string(e->via, MU_NAME_MAX) &&
+           validate_string(e->host, MU_FIELD_MAX) &&
            (e->state == muster_STATE_ABSENT || e->home[0] != '\0');
 }
 
@@ -109,37 +109,37 @@ static void entry_take(struct broker *b, struct peer *p, const muster_Entry *e, 
         b->registry.agents[agent].is.kind = e->kind;
         registry_touch(&b->registry, agent);
     }
-    struct way *way = &p->ways[agent];
+    struct route *route = &p->routes[agent];
     struct agent *a = &b->registry.agents[agent];
     if (!ours && e->last_seq > a->elsewhere_seq && e->last_seq <= INT64_MAX / 2) {
         a->elsewhere_seq = e->last_seq;
     }
-    if (!present && !way->present) {
+    if (!present && !route->present) {
         if (!ours) {
             receipts_forget(b, agent);
         }
         return;
     }
-    *way = (struct way){.present = present,
-                        .no_broadcasts = e->no_broadcasts,
-                        .kind = (uint8_t)e->kind,
-                        .state = (uint8_t)e->state,
-                        .hops = e->hops,
-                        .slot = slot,
-                        .pid = e->pid,
-                        .since_wall_ns = e->since_wall_ns,
-                        .busy_since_wall_ns = e->busy_since_wall_ns,
-                        .last_seq = e->last_seq};
-    (void)mu_text_copy(way->home, sizeof way->home, e->home);
-    (void)mu_text_copy(way->host, sizeof way->host, e->host);
-    (void)mu_text_copy(way->reason, sizeof way->reason, e->reason ? e->reason : "");
+    *route = (struct route){.present = present,
+                            .no_broadcasts = e->no_broadcasts,
+                            .kind = (uint8_t)e->kind,
+                            .state = (uint8_t)e->state,
+                            .hops = e->hops,
+                            .slot = slot,
+                            .pid = e->pid,
+                            .since_wall_ns = e->since_wall_ns,
+                            .busy_since_wall_ns = e->busy_since_wall_ns,
+                            .last_seq = e->last_seq};
+    (void)mu_text_copy(route->home, sizeof route->home, e->home);
+    (void)mu_text_copy(route->host, sizeof route->host, e->host);
+    (void)mu_text_copy(route->reason, sizeof route->reason, e->reason ? e->reason : "");
     lifecycle_review(b, agent);
 }
 
 void federation_hear(struct broker *b, const muster_Registration *r)
 {
     const char *name = remote_is_broker(r->process) ? remote_name(r->process) : NULL;
-    if (!r->is_broker || !name || !border_string(name, MU_NAME_MAX) || !mu_name_valid(name)) {
+    if (!r->is_broker || !name || !validate_string(name, MU_NAME_MAX) || !mu_name_valid(name)) {
         b->counters.malformed++;
         return;
     }

@@ -19,14 +19,14 @@ static struct claim claim_take(struct broker *b, uint32_t index)
 {
     struct claim claim = b->claims.pool[index];
     claims_drop(&b->claims, &b->registry.agents[claim.agent].claim, index);
-    b->places.at[claim.process].claims--;
+    b->processes.at[claim.process].claims--;
     return claim;
 }
 
 void lifecycle_end_claim(struct broker *b, uint32_t index)
 {
     uint32_t place = claim_take(b, index).process;
-    places_tidy(&b->places, place);
+    processes_tidy(&b->processes, place);
 }
 
 /* A copy of an agent that has set out anew since, or has stayed after all.  Who never moved is
@@ -39,7 +39,8 @@ static bool is_out_of_date(const struct presence *copy, const struct presence *n
 static void claim_refuse(struct broker *b, uint32_t index, muster_Refusal code, const char *reason)
 {
     const struct claim *claim = &b->claims.pool[index];
-    places_refuse(&b->places, claim->process, b->registry.agents[claim->agent].name, code, reason);
+    processes_refuse(&b->processes, claim->process, b->registry.agents[claim->agent].name, code,
+                     reason);
     lifecycle_end_claim(b, index);
 }
 
@@ -85,15 +86,15 @@ void lifecycle_claim(struct broker *b, uint32_t agent, uint32_t place, uint32_t 
                                 .presence = *is};
     uint32_t had = claims_find(&b->claims, a->claim, place);
     if (is_out_of_date(is, &a->is)) {
-        places_refuse(&b->places, place, a->name, muster_REFUSAL_OUT_OF_DATE, "out of date");
+        processes_refuse(&b->processes, place, a->name, muster_REFUSAL_OUT_OF_DATE, "out of date");
     } else if (had != MU_NONE) {
         b->claims.pool[had].slot = slot;
         b->claims.pool[had].presence = *is;
     } else if (claims_add(&b->claims, &a->claim, &claim)) {
-        b->places.at[place].claims++;
+        b->processes.at[place].claims++;
     } else {
-        places_refuse(&b->places, place, a->name, muster_REFUSAL_NAME_HELD,
-                      lifecycle_holder(b, agent));
+        processes_refuse(&b->processes, place, a->name, muster_REFUSAL_NAME_HELD,
+                         lifecycle_holder(b, agent));
     }
 }
 
@@ -121,8 +122,8 @@ static void claims_grant(struct broker *b, uint32_t agent)
         uint32_t copy = copy_claim(b, agent);
         struct claim heir = claim_take(b, copy != MU_NONE ? copy : a->claim);
         if (snapshots_overrule(b, agent, heir.process, &heir.presence)) {
-            b->places.at[heir.process].overruled = true;
-            places_tidy(&b->places, heir.process);
+            b->processes.at[heir.process].overruled = true;
+            processes_tidy(&b->processes, heir.process);
         } else {
             lifecycle_seat(b, agent, heir.process, heir.slot, &heir.presence);
         }
@@ -160,30 +161,30 @@ static void box_follow(struct broker *b, uint32_t agent, const struct presence *
 
 void lifecycle_tell_again(struct broker *b, uint32_t place)
 {
-    view_forget_told(&b->places.at[place]);
-    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE;
-         agent = tenants_next(&b->registry, &b->places, agent)) {
+    view_forget_told(&b->processes.at[place]);
+    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
+         agent = residents_next(&b->registry, &b->processes, agent)) {
         names_owe_verdict(b, agent);
         mailbox_repeat(&b->mailbox, agent);
-        tenants_wake(&b->registry, &b->places, agent);
+        residents_wake(&b->registry, &b->processes, agent);
     }
-    places_wake(&b->places, place);
+    processes_wake(&b->processes, place);
 }
 
 /* What the agent has had in its box before is for its new process to have again. */
 void lifecycle_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
                     const struct presence *is)
 {
-    tenants_add(&b->registry, &b->places, place, slot, agent);
-    places_accept(&b->places, place, b->registry.agents[agent].name);
+    residents_add(&b->registry, &b->processes, place, slot, agent);
+    processes_accept(&b->processes, place, b->registry.agents[agent].name);
     box_follow(b, agent, is);
-    registry_seat(&b->registry, agent, place, b->places.at[place].name, is, runclock_wall_ns(b));
+    registry_seat(&b->registry, agent, place, b->processes.at[place].name, is, clock_wall_ns(b));
     names_owe_verdict(b, agent);
     journal_agent(b, agent);
     mailbox_repeat(&b->mailbox, agent);
     names_changed(b);
     notify_presence(b, agent);
-    tenants_wake(&b->registry, &b->places, agent);
+    residents_wake(&b->registry, &b->processes, agent);
     claims_review(b, agent);
     snapshots_review(b, agent);
 }
@@ -192,28 +193,28 @@ void lifecycle_move(struct broker *b, uint32_t agent, uint32_t place, uint32_t s
                     const struct presence *is)
 {
     uint32_t from = b->registry.agents[agent].process;
-    tenants_remove(&b->registry, &b->places, agent);
+    residents_remove(&b->registry, &b->processes, agent);
     mailbox_unwatch(&b->mailbox, agent);
-    b->registry.agents[agent].left = b->places.at[from].seat;
+    b->registry.agents[agent].left = b->processes.at[from].seat;
     b->registry.agents[agent].left_wall_ns = b->registry.agents[agent].is.since_wall_ns;
     b->registry.agents[agent].passed = true;
     lifecycle_seat(b, agent, place, slot, is);
-    places_tidy(&b->places, from);
+    processes_tidy(&b->processes, from);
 }
 
 void lifecycle_depart(struct broker *b, uint32_t agent)
 {
     struct agent *a = &b->registry.agents[agent];
     uint32_t place = a->process;
-    tenants_remove(&b->registry, &b->places, agent);
-    registry_unseat(&b->registry, agent, runclock_wall_ns(b));
+    residents_remove(&b->registry, &b->processes, agent);
+    registry_unseat(&b->registry, agent, clock_wall_ns(b));
     a->ended = b->lockstep.applying;
     a->passed = a->ended;
     mailbox_unwatch(&b->mailbox, agent);
     mailbox_repeat(&b->mailbox, agent);
-    if (b->places.at[place].is_broker) {
+    if (b->processes.at[place].is_broker) {
         a->awaited = true; /* it is only out of sight: what it is to be told waits */
-    } else if (b->places.at[place].lost && a->claim == MU_NONE) {
+    } else if (b->processes.at[place].lost && a->claim == MU_NONE) {
         settle_await(b, agent);
     } else {
         receipts_drop(&b->receipts, agent, receipts_of(&b->receipts, agent)->count);
@@ -228,15 +229,15 @@ void lifecycle_depart(struct broker *b, uint32_t agent)
     } else {
         claims_grant(b, agent);
     }
-    places_tidy(&b->places, place);
+    processes_tidy(&b->processes, place);
     lifecycle_review(b, agent);
 }
 
 void lifecycle_set_state(struct broker *b, uint32_t agent, muster_State state)
 {
-    if (registry_set_state(&b->registry, agent, state, runclock_wall_ns(b))) {
+    if (registry_set_state(&b->registry, agent, state, clock_wall_ns(b))) {
         names_changed(b);
-        tenants_wake(&b->registry, &b->places, agent);
+        residents_wake(&b->registry, &b->processes, agent);
     }
 }
 
@@ -244,7 +245,7 @@ void lifecycle_set_state(struct broker *b, uint32_t agent, muster_State state)
  */
 static void step_version_keep(struct broker *b, uint32_t agent)
 {
-    uint64_t version = changes_version(&b->registry.changes, agent);
+    uint64_t version = changelog_version(&b->registry.changes, agent);
     if (names_in_lockstep(b, agent) && version <= b->lockstep.version) {
         b->registry.agents[agent].step_version = version;
     }
@@ -258,18 +259,18 @@ void lifecycle_reregister(struct broker *b, uint32_t agent, uint32_t slot, struc
     if (names_in_lockstep(b, agent)) {
         is->state = a->is.state;
     }
-    if (a->tenant.slot != slot) {
+    if (a->resident.slot != slot) {
         uint32_t place = a->process;
-        tenants_remove(&b->registry, &b->places, agent);
-        tenants_add(&b->registry, &b->places, place, slot, agent);
-        tenants_wake(&b->registry, &b->places, agent);
+        residents_remove(&b->registry, &b->processes, agent);
+        residents_add(&b->registry, &b->processes, place, slot, agent);
+        residents_wake(&b->registry, &b->processes, agent);
     }
     box_follow(b, agent, is);
     step_version_keep(b, agent);
-    if (registry_update(&b->registry, agent, is, runclock_wall_ns(b))) {
+    if (registry_update(&b->registry, agent, is, clock_wall_ns(b))) {
         journal_agent(b, agent);
         names_changed(b);
-        tenants_wake(&b->registry, &b->places, agent);
+        residents_wake(&b->registry, &b->processes, agent);
     }
     claims_review(b, agent);
     snapshots_review(b, agent);
@@ -277,9 +278,10 @@ void lifecycle_reregister(struct broker *b, uint32_t agent, uint32_t slot, struc
 
 void lifecycle_settle(struct broker *b, uint32_t place)
 {
-    uint32_t next = TENANTS_NONE;
-    for (uint32_t agent = tenants_first(&b->places, place); agent != TENANTS_NONE; agent = next) {
-        next = tenants_next(&b->registry, &b->places, agent);
+    uint32_t next = RESIDENTS_NONE;
+    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
+         agent = next) {
+        next = residents_next(&b->registry, &b->processes, agent);
         if (b->registry.agents[agent].gone) {
             lifecycle_depart(b, agent);
         } else {
@@ -289,74 +291,74 @@ void lifecycle_settle(struct broker *b, uint32_t place)
 }
 
 /* An agent of this broker has to give its name to one that has had it longer. */
-static void clash_lose(struct broker *b, uint32_t agent, const struct way *way)
+static void clash_lose(struct broker *b, uint32_t agent, const struct route *route)
 {
     const struct agent *a = &b->registry.agents[agent];
-    b->liaison.count.clashes++;
-    places_refuse(&b->places, a->process, a->name, muster_REFUSAL_NAME_HELD,
-                  remote_holder(b, way->home));
+    b->federation.count.clashes++;
+    processes_refuse(&b->processes, a->process, a->name, muster_REFUSAL_NAME_HELD,
+                     remote_holder(b, route->home));
 }
 
-static void way_use(struct broker *b, uint32_t agent, const struct peer *p)
+static void route_use(struct broker *b, uint32_t agent, const struct peer *p)
 {
     const struct agent *a = &b->registry.agents[agent];
-    const struct way *way = &p->ways[agent];
-    uint32_t place = places_find(&b->places, p->place);
-    struct presence is = remote_presence(way);
+    const struct route *route = &p->routes[agent];
+    uint32_t place = processes_find(&b->processes, p->place);
+    struct presence is = remote_presence(route);
     if (place == MU_NONE) {
         return;
     }
     if (a->process == MU_NONE) {
-        lifecycle_seat(b, agent, place, way->slot, &is);
+        lifecycle_seat(b, agent, place, route->slot, &is);
     } else if (a->process == place) {
-        lifecycle_reregister(b, agent, way->slot, &is);
+        lifecycle_reregister(b, agent, route->slot, &is);
     } else {
-        lifecycle_move(b, agent, place, way->slot, &is);
+        lifecycle_move(b, agent, place, route->slot, &is);
     }
 }
 
 /* @param echoes  ways that may be echoes will do, too, as for who has had no way for long enough */
-static void way_choose(struct broker *b, uint32_t agent, bool echoes)
+static void route_choose(struct broker *b, uint32_t agent, bool echoes)
 {
     const struct agent *a = &b->registry.agents[agent];
-    bool is_here = a->process != MU_NONE && !b->places.at[a->process].is_broker;
+    bool is_here = a->process != MU_NONE && !b->processes.at[a->process].is_broker;
     struct peer *p = remote_best_peer(b, agent);
-    const struct way *way = p ? &p->ways[agent] : NULL;
+    const struct route *route = p ? &p->routes[agent] : NULL;
     if (is_here) {
-        if (way && way->since_wall_ns < a->is.since_wall_ns && !names_in_lockstep(b, agent)) {
-            clash_lose(b, agent, way);
-            way_use(b, agent, p);
+        if (route && route->since_wall_ns < a->is.since_wall_ns && !names_in_lockstep(b, agent)) {
+            clash_lose(b, agent, route);
+            route_use(b, agent, p);
         }
         return;
     }
     bool same = p && a->process != MU_NONE && strcmp(a->place, p->place) == 0;
-    bool is_fresh = a->process == MU_NONE && !b->liaison.pausing[agent];
-    if (way && !echoes && !is_fresh && remote_may_be_echo(a, way, same)) {
-        way = NULL;
+    bool is_fresh = a->process == MU_NONE && !b->federation.pausing[agent];
+    if (route && !echoes && !is_fresh && remote_may_be_echo(a, route, same)) {
+        route = NULL;
     }
-    if (way) {
-        way_use(b, agent, p);
+    if (route) {
+        route_use(b, agent, p);
     } else if (a->process != MU_NONE) {
-        remote_begin_pause(b, agent);
+        remote_hold_down(b, agent);
         lifecycle_depart(b, agent);
     }
 }
 
 void lifecycle_review(struct broker *b, uint32_t agent)
 {
-    if (b->liaison.peers_there > 0) {
-        way_choose(b, agent, false);
+    if (b->federation.peers_there > 0) {
+        route_choose(b, agent, false);
     }
 }
 
 void lifecycle_tick_routes(struct broker *b)
 {
-    struct liaison *l = &b->liaison;
+    struct federation *l = &b->federation;
     while (remote_deadline_ns(b) <= b->clock.now_ns) {
         uint32_t agent = l->pauses[l->pauses_head].agent;
         l->pauses_head = (l->pauses_head + 1) % REGISTRY_MAX;
         l->pauses_count--;
         l->pausing[agent] = false;
-        way_choose(b, agent, true);
+        route_choose(b, agent, true);
     }
 }

@@ -26,7 +26,7 @@ static void claims_end(struct broker *b, uint32_t place, uint32_t part,
                        const muster_Registration *now)
 {
     uint32_t next = MU_NONE;
-    uint32_t left = b->places.at[place].claims;
+    uint32_t left = b->processes.at[place].claims;
     for (uint32_t i = b->claims.first; i != MU_NONE && left > 0; i = next) {
         const struct claim *claim = &b->claims.pool[i];
         next = claim->next;
@@ -106,17 +106,17 @@ static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uin
 {
     const struct agent *a = &b->registry.agents[agent];
     if (a->process != place && snapshots_overrule(b, agent, place, is)) {
-        b->places.at[place].overruled = true;
+        b->processes.at[place].overruled = true;
         return;
     }
     bool is_other =
-        a->tenant.slot != slot || (!a->handed && a->is.since_wall_ns != is->since_wall_ns);
-    if (a->process == place && is_other && !b->places.at[place].rostered) {
+        a->resident.slot != slot || (!a->handed && a->is.since_wall_ns != is->since_wall_ns);
+    if (a->process == place && is_other && !b->processes.at[place].rostered) {
         b->registry.agents[agent].kept_until_ns = 0; /* whom it was kept for had come */
         lifecycle_depart(b, agent); /* the name went to another agent of the same process */
     }
     if (a->process == MU_NONE && snapshots_have_later(b, agent, is->epoch)) {
-        places_refuse(&b->places, place, a->name, muster_REFUSAL_OUT_OF_DATE, "out of date");
+        processes_refuse(&b->processes, place, a->name, muster_REFUSAL_OUT_OF_DATE, "out of date");
     } else if (is->newcomer && names_is_held(b, agent) && !lifecycle_is_copy(a, is)) {
         lifecycle_claim(b, agent, place, slot, is);
     } else if (a->process == MU_NONE) {
@@ -124,12 +124,12 @@ static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uin
         lifecycle_review(b, agent);
     } else if (a->process == place) {
         lifecycle_reregister(b, agent, slot, is);
-    } else if (b->places.at[a->process].is_broker &&
+    } else if (b->processes.at[a->process].is_broker &&
                a->is.since_wall_ns == is->since_wall_ns) { /* it has moved here */
         lifecycle_move(b, agent, place, slot, is);
     } else if (outlived_a_broker(b, agent, is)) {
-        places_refuse(&b->places, a->process, a->name, muster_REFUSAL_NAME_HELD,
-                      lifecycle_holder(b, agent));
+        processes_refuse(&b->processes, a->process, a->name, muster_REFUSAL_NAME_HELD,
+                         lifecycle_holder(b, agent));
         lifecycle_move(b, agent, place, slot, is);
     } else {
         lifecycle_claim(b, agent, place, slot, is);
@@ -145,7 +145,7 @@ static void slot_leave(struct broker *b, uint32_t agent, uint32_t place, uint32_
         if (b->claims.pool[claim].slot == slot) {
             lifecycle_end_claim(b, claim);
         }
-    } else if (a->process == place && a->tenant.slot == slot) {
+    } else if (a->process == place && a->resident.slot == slot) {
         presence_leave(b, agent);
     }
 }
@@ -172,7 +172,7 @@ static void entry_take(struct broker *b, uint32_t place, const muster_Registrati
     }
     if (objection) {
         b->counters.malformed += !mu_name_valid(e->name);
-        places_refuse(&b->places, place, e->name, code, objection);
+        processes_refuse(&b->processes, place, e->name, code, objection);
         return;
     }
     struct presence is;
@@ -184,12 +184,12 @@ static void entry_take(struct broker *b, uint32_t place, const muster_Registrati
 static void agents_leave(struct broker *b, uint32_t place, uint32_t part,
                          const muster_Registration *now)
 {
-    uint32_t next = TENANTS_NONE;
-    for (uint32_t agent = tenants_first_of(&b->places, place, part); agent != TENANTS_NONE;
+    uint32_t next = RESIDENTS_NONE;
+    for (uint32_t agent = residents_first_of(&b->processes, place, part); agent != RESIDENTS_NONE;
          agent = next) {
-        next = tenants_next_of(&b->registry, agent);
+        next = residents_next_of(&b->registry, agent);
         const struct agent *a = &b->registry.agents[agent];
-        if (!now || slot_is_others(now, a->tenant.slot, a->name)) {
+        if (!now || slot_is_others(now, a->resident.slot, a->name)) {
             presence_leave(b, agent);
         }
     }
@@ -204,7 +204,7 @@ static void part_leave(struct broker *b, uint32_t place, uint32_t part,
 
 static void place_leave(struct broker *b, uint32_t place)
 {
-    uint32_t top = b->places.at[place].parts_top;
+    uint32_t top = b->processes.at[place].parts_top;
     claims_end(b, place, MU_NONE, NULL);
     for (uint32_t part = 0; part < top; part++) {
         agents_leave(b, place, part, NULL);
@@ -214,12 +214,12 @@ static void place_leave(struct broker *b, uint32_t place)
 /* Finds or makes the place of a process that registers.  @return MU_NONE: it is not to be heard */
 static uint32_t place_hear(struct broker *b, const muster_Registration *r)
 {
-    uint32_t place = places_get(&b->places, r->process);
+    uint32_t place = processes_get(&b->processes, r->process);
     if (place == MU_NONE) {
         b->counters.malformed++;
         return MU_NONE;
     }
-    struct place *at = &b->places.at[place];
+    struct process *at = &b->processes.at[place];
     if (r->incarnation < at->incarnation) {
         return MU_NONE; /* late, from a process that is no more */
     }
@@ -237,7 +237,7 @@ static uint32_t place_hear(struct broker *b, const muster_Registration *r)
     if (at->lost) {
         at->lost = false;
         at->roll_call_due = r->part > 0 || at->parts_top > 1;
-        places_wake(&b->places, place);
+        processes_wake(&b->processes, place);
     }
     return place;
 }
@@ -245,10 +245,10 @@ static uint32_t place_hear(struct broker *b, const muster_Registration *r)
 void registration_take(struct broker *b, const muster_Registration *r)
 {
     if (r->broker[0] != '\0' && strcmp(r->broker, b->name) != 0) {
-        uint32_t left = places_find(&b->places, r->process);
+        uint32_t left = processes_find(&b->processes, r->process);
         if (left != MU_NONE) {
             if (r->part == 0) {
-                glances_gone(b, left); /* it answers to the other one now */
+                probes_gone(b, left); /* it answers to the other one now */
             }
             part_leave(b, left, r->part, NULL);
         }
@@ -261,27 +261,27 @@ void registration_take(struct broker *b, const muster_Registration *r)
     part_leave(b, place, r->part, r);
     for (uint32_t i = 0; i < r->agents._length; i++) {
         const muster_Entry *e = &r->agents._buffer[i];
-        if (!border_entry(e, false)) {
+        if (!validate_entry(e, false)) {
             b->counters.malformed++;
         } else if (e->name[0] != '\0' || e->state != muster_STATE_ABSENT) {
             entry_take(b, place, r, i);
         }
     }
-    b->places.at[place].speaks = false;
-    places_tidy(&b->places, place);
+    b->processes.at[place].speaks = false;
+    processes_tidy(&b->processes, place);
 }
 
 void registration_gone(struct broker *b, uint32_t place, uint32_t part, bool crashed)
 {
     if (crashed) {
-        b->places.at[place].lost = true;
+        b->processes.at[place].lost = true;
         snapshots_process_gone(b, place);
-        glances_gone(b, place);
+        probes_gone(b, place);
         place_leave(b, place);
-    } else if (part < PLACES_PARTS) {
+    } else if (part < PROCESSES_PARTS) {
         if (part == 0) {
             snapshots_process_gone(b, place);
-            glances_gone(b, place);
+            probes_gone(b, place);
         }
         part_leave(b, place, part, NULL);
     }

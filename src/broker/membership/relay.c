@@ -19,7 +19,7 @@ static uint32_t sender_of(struct broker *b, const char *src)
         b->registry.agents[sender].process == MU_NONE) {
         struct agent *a = &b->registry.agents[sender];
         a->awaited = true; /* its neighbour will say that it is there */
-        a->since_wall_ns = a->since_wall_ns ? a->since_wall_ns : runclock_wall_ns(b);
+        a->since_wall_ns = a->since_wall_ns ? a->since_wall_ns : clock_wall_ns(b);
     }
     return sender;
 }
@@ -28,10 +28,10 @@ static uint32_t sender_of(struct broker *b, const char *src)
 static muster_Outcome objection_to(struct broker *b, const muster_Mail *m)
 {
     if (m->hops > MU_HOPS_MAX) {
-        b->liaison.count.hops_refused++;
+        b->federation.count.hops_refused++;
         return muster_OUTCOME_REFUSED;
     }
-    if (!border_mail(m)) {
+    if (!validate_mail(m)) {
         b->counters.malformed++;
         return muster_OUTCOME_REFUSED;
     }
@@ -53,19 +53,19 @@ static void mail_take(struct broker *b, uint32_t agent, uint32_t sender, const m
         outcome_tell(b, sender, letter.seq, letter.seq, objection);
         return;
     }
-    struct mail *m = store_put(&b->store, &letter);
+    struct mail *m = pool_put(&b->pool, &letter);
     if (!m) {
         b->counters.sent++;
         b->counters.box_full++;
-        booking_event(b, EVENT_BOX_FULL, REGISTRY_BROKER, sender);
+        ledger_alert(b, ALERT_BOX_FULL, REGISTRY_BROKER, sender);
         outcome_tell(b, sender, letter.seq, letter.seq, muster_OUTCOME_BOX_FULL);
         return;
     }
     m->sender = sender;
     m->payer = registry_is_own(sender) ? agent : sender;
     m->only = agent;
-    if (!b->lockstep.on || !router_meets_lockstep(b, m)) {
-        (void)router_route(b, m);
+    if (!b->lockstep.on || !route_meets_lockstep(b, m)) {
+        (void)route_mail(b, m);
     } else if (!barrier_keep(b, m, true)) {
         settle_turn_away(b, m);
     }
@@ -73,7 +73,7 @@ static void mail_take(struct broker *b, uint32_t agent, uint32_t sender, const m
 
 static bool parcel_is_whole(const muster_Parcel *p)
 {
-    return border_string(p->box, MU_NAME_MAX) && border_string(p->letter.src, MU_NAME_MAX) &&
+    return validate_string(p->box, MU_NAME_MAX) && validate_string(p->letter.src, MU_NAME_MAX) &&
            mu_name_valid(p->letter.src) && p->number > 0;
 }
 
@@ -85,8 +85,8 @@ static void ack_owe(struct peer *p, uint32_t agent)
     }
 }
 
-/* @return whether a parcel is the next one of its box: where one is missing it was lost, and the
- *         neighbour will begin there again */
+/* @return whether a delivery item is the next one of its box: where one is missing it was lost, and
+ * the neighbour will begin there again */
 static bool number_follows(const struct peer *p, uint32_t agent, uint64_t number)
 {
     return number == p->taken[agent] + 1;
@@ -105,7 +105,7 @@ static void parcel_take(struct broker *b, struct peer *p, const muster_Parcel *p
     }
     if (parcel->number <= p->taken[agent]) {
         ack_owe(p, agent);
-        b->liaison.count.repeated++;
+        b->federation.count.repeated++;
         return;
     }
     if (!number_follows(p, agent, parcel->number)) {
@@ -114,7 +114,7 @@ static void parcel_take(struct broker *b, struct peer *p, const muster_Parcel *p
     }
     ack_owe(p, agent);
     p->taken[agent] = parcel->number;
-    b->liaison.count.parcels_in++;
+    b->federation.count.parcels_in++;
     if (sender == MU_NONE) { /* no room for its name: what follows must not wait until there is */
         b->counters.sent++;
         b->counters.box_full++;
@@ -127,7 +127,7 @@ static void parcel_take(struct broker *b, struct peer *p, const muster_Parcel *p
 static void verdict_take(struct broker *b, struct peer *p, const muster_Verdict *v)
 {
     uint32_t agent =
-        border_string(v->agent, MU_NAME_MAX) ? registry_find(&b->registry, v->agent) : MU_NONE;
+        validate_string(v->agent, MU_NAME_MAX) ? registry_find(&b->registry, v->agent) : MU_NONE;
     if (agent == MU_NONE || registry_is_own(agent)) {
         b->counters.malformed++;
     } else if (v->last_seq > p->taken[agent]) {
@@ -141,14 +141,14 @@ static void verdict_take(struct broker *b, struct peer *p, const muster_Verdict 
 static void receipt_take(struct broker *b, const struct peer *p, const muster_Receipt *r)
 {
     uint32_t agent =
-        border_string(r->agent, MU_NAME_MAX) ? registry_find(&b->registry, r->agent) : MU_NONE;
+        validate_string(r->agent, MU_NAME_MAX) ? registry_find(&b->registry, r->agent) : MU_NONE;
     if (agent == MU_NONE || r->first_seq == 0 || r->first_seq > r->last_seq ||
         (unsigned)r->result > muster_OUTCOME_NO_STORE) {
         b->counters.malformed++;
         return;
     }
     const struct agent *a = &b->registry.agents[agent];
-    b->liaison.count.receipts_in++;
+    b->federation.count.receipts_in++;
     bool goes_back = a->process != MU_NONE && strcmp(a->place, p->place) == 0;
     if (!goes_back && !names_in_lockstep(b, agent)) {
         outcome_tell(b, agent, r->first_seq, r->last_seq, r->result);
@@ -158,7 +158,7 @@ static void receipt_take(struct broker *b, const struct peer *p, const muster_Re
 static void lines_take(struct broker *b, const muster_Delivery *d)
 {
     struct said said = view_said(b);
-    struct said by_the_wall = {.stamp_ns = runclock_wall_ns(b), .origin = said.origin};
+    struct said by_the_wall = {.stamp_ns = clock_wall_ns(b), .origin = said.origin};
     for (uint32_t i = 0; i < d->memberships._length; i++) {
         const muster_Membership *m = &d->memberships._buffer[i];
         if (m->group && m->agent && m->origin &&
@@ -170,7 +170,7 @@ static void lines_take(struct broker *b, const muster_Delivery *d)
     for (uint32_t i = 0; i < d->offers._length; i++) {
         const muster_Offer *o = &d->offers._buffer[i];
         if (o->service && o->agent && o->origin && o->attributes &&
-            services_merge(&b->pages.services, o, &by_the_wall, runclock_mail_ns(&b->clock)) !=
+            services_merge(&b->pages.services, o, &by_the_wall, clock_mail_ns(&b->clock)) !=
                 MU_MALFORMED) {
             continue;
         }
@@ -182,7 +182,7 @@ static void lines_take(struct broker *b, const muster_Delivery *d)
 /* The neighbour has not heard us for a while, or not yet in this life. */
 static void roll_call_take(struct broker *b, const struct peer *p)
 {
-    uint32_t place = places_find(&b->places, p->place);
+    uint32_t place = processes_find(&b->processes, p->place);
     announce_all(b);
     if (place != MU_NONE) {
         lifecycle_tell_again(b, place);
@@ -191,7 +191,7 @@ static void roll_call_take(struct broker *b, const struct peer *p)
 
 void relay_take(struct broker *b, const muster_Delivery *d)
 {
-    if (!border_string(d->process, MU_PROCESS_MAX) || !border_string(d->broker, MU_NAME_MAX) ||
+    if (!validate_string(d->process, MU_PROCESS_MAX) || !validate_string(d->broker, MU_NAME_MAX) ||
         !mu_name_valid(d->broker) || strcmp(d->process, b->place) != 0 ||
         strcmp(d->broker, b->name) == 0) {
         b->counters.malformed++;
@@ -235,7 +235,7 @@ static uint32_t acks_ready(const struct broker *b, struct peer *p)
 
 bool relay_up_next(struct broker *b, const char **peer, muster_Up *out)
 {
-    struct liaison *l = &b->liaison;
+    struct federation *l = &b->federation;
     uint32_t i = 0, ready = 0;
     while (i < l->peers_count && (ready = acks_ready(b, &l->peers[i])) == 0) {
         i++;
@@ -245,7 +245,7 @@ bool relay_up_next(struct broker *b, const char **peer, muster_Up *out)
     }
     struct peer *p = &l->peers[i];
     l->peer_open = i;
-    l->acks_open_count = ready < LIAISON_ACKS ? ready : LIAISON_ACKS;
+    l->acks_open_count = ready < FEDERATION_ACKS ? ready : FEDERATION_ACKS;
     for (uint32_t k = 0; k < l->acks_open_count; k++) {
         uint32_t agent = p->acks[p->acks_count - 1 - k];
         l->acks_open[k] =
@@ -261,8 +261,8 @@ bool relay_up_next(struct broker *b, const char **peer, muster_Up *out)
 
 void relay_up_sent(struct broker *b)
 {
-    struct peer *p = &b->liaison.peers[b->liaison.peer_open];
-    for (; b->liaison.acks_open_count > 0; b->liaison.acks_open_count--) {
+    struct peer *p = &b->federation.peers[b->federation.peer_open];
+    for (; b->federation.acks_open_count > 0; b->federation.acks_open_count--) {
         p->ack_due[p->acks[--p->acks_count]] = false;
     }
 }

@@ -16,7 +16,7 @@ static const uint64_t ORPHAN_NS = 2000000000;
 
 static void step_release(struct broker *b)
 {
-    if (b->depot.holding == 0) {
+    if (b->snapshots.holding == 0) {
         barrier_release(b);
     }
 }
@@ -31,19 +31,19 @@ static const char *objection(const struct broker *b, uint32_t host, bool in_step
     if (a->process == MU_NONE || (a->gone && !in_step)) { /* in lock step it may be slow only */
         return "host-absent";
     }
-    return in_step && !b->places.at[a->process].rostered ? "lock-step" : NULL;
+    return in_step && !b->processes.at[a->process].rostered ? "lock-step" : NULL;
 }
 
 static void deposit_refuse(struct broker *b, uint32_t place, const muster_Trip *trip,
                            const char *reason)
 {
-    struct depot_word word = {.place = place,
-                              .word = muster_TRIP_REFUSED,
-                              .asker = registry_find(&b->registry, trip->asker),
-                              .host = MU_NONE,
-                              .at = MU_NONE,
-                              .epoch = trip->epoch};
-    b->depot.refused++;
+    struct snapshot_word word = {.place = place,
+                                 .word = muster_TRIP_REFUSED,
+                                 .asker = registry_find(&b->registry, trip->asker),
+                                 .host = MU_NONE,
+                                 .at = MU_NONE,
+                                 .epoch = trip->epoch};
+    b->snapshots.refused++;
     (void)mu_text_copy(word.name, sizeof word.name, trip->agent);
     (void)mu_text_copy(word.reason, sizeof word.reason, reason);
     snapshots_say(b, &word);
@@ -57,22 +57,22 @@ static void deposit_take(struct broker *b, uint32_t place, const muster_Trip *tr
         b->counters.malformed++;
         return;
     }
-    bool late = b->places.at[place].rostered && !in_step;
+    bool late = b->processes.at[place].rostered && !in_step;
     const char *wrong = late ? "lock-step" : objection(b, host, in_step);
-    struct depot_capsule *c =
+    struct snapshot *c =
         wrong ? NULL : snapshots_add(b, agent, trip->agent, trip->epoch, trip->text);
     if (!c) {
         deposit_refuse(b, place, trip, wrong ? wrong : "depot-full");
         return;
     }
-    (void)mu_text_copy(c->home, sizeof c->home, b->places.at[place].name);
+    (void)mu_text_copy(c->home, sizeof c->home, b->processes.at[place].name);
     c->state = trip->state;
     c->source = place;
     c->host = host;
     c->in_step = in_step;
     if (in_step) {
-        c->phase = DEPOT_STEP;
-    } else if (b->places.at[b->registry.agents[host].process].is_broker) {
+        c->phase = SNAPSHOT_STEP;
+    } else if (b->processes.at[b->registry.agents[host].process].is_broker) {
         snapshots_tell(b, c, place, muster_TRIP_STORED, "");
     } else {
         snapshots_send(b, c);
@@ -88,7 +88,7 @@ static void new_take(struct broker *b, uint32_t place, const muster_Trip *trip, 
         b->counters.malformed++;
         return;
     }
-    struct depot_capsule *c =
+    struct snapshot *c =
         in_step ? snapshots_add(b, MU_NONE, trip->agent, trip->epoch, trip->text) : NULL;
     if (!c) {
         deposit_refuse(b, place, trip, in_step ? "depot-full" : "lock-step");
@@ -98,38 +98,38 @@ static void new_take(struct broker *b, uint32_t place, const muster_Trip *trip, 
     c->state = trip->state;
     c->source = place;
     c->host = registry_find(&b->registry, trip->host);
-    c->phase = DEPOT_STEP;
+    c->phase = SNAPSHOT_STEP;
 }
 
 /* @return whether an agent that moves has its name where it set out from */
-static bool is_at_home(const struct broker *b, const struct depot_capsule *c)
+static bool is_at_home(const struct broker *b, const struct snapshot *c)
 {
     const struct agent *a = &b->registry.agents[c->agent];
-    return a->process != MU_NONE && strcmp(b->places.at[a->process].name, c->home) == 0;
+    return a->process != MU_NONE && strcmp(b->processes.at[a->process].name, c->home) == 0;
 }
 
-static void seat_tell(struct broker *b, struct depot_capsule *c)
+static void seat_tell(struct broker *b, struct snapshot *c)
 {
-    b->depot.taken++;
-    b->depot.holding--;
+    b->snapshots.taken++;
+    b->snapshots.holding--;
     c->holds = false;
     c->seated = true;
     snapshots_tell(b, c, c->source, muster_TRIP_TAKEN, "");
     snapshots_tell(b, c, b->lockstep.simulator, muster_TRIP_TAKEN, "");
 }
 
-static void seat_refuse(struct broker *b, struct depot_capsule *c, const char *reason)
+static void seat_refuse(struct broker *b, struct snapshot *c, const char *reason)
 {
     snapshots_refuse_copy(b, c->target, c->name, c->epoch, reason);
     snapshots_refuse(b, c, reason);
-    if (c->phase != DEPOT_FREE) {
+    if (c->phase != SNAPSHOT_FREE) {
         snapshots_drop(b, c); /* the agent goes on as another process has it */
     }
 }
 
 /* The name goes from one process of a lock step to another, at once.  The one that it set out from
  * may have died meanwhile, and have a successor. */
-static void seat_moved(struct broker *b, struct depot_capsule *c, uint32_t slot)
+static void seat_moved(struct broker *b, struct snapshot *c, uint32_t slot)
 {
     const struct agent *a = &b->registry.agents[c->agent];
     bool free = a->process == MU_NONE;
@@ -146,7 +146,7 @@ static void seat_moved(struct broker *b, struct depot_capsule *c, uint32_t slot)
     (free ? lifecycle_seat : lifecycle_move)(b, c->agent, c->target, slot, &is);
     b->registry.agents[c->agent].handed = true;
     seat_tell(b, c);
-    c->phase = DEPOT_KEPT;
+    c->phase = SNAPSHOT_KEPT;
 }
 
 static bool name_is_taken(const struct broker *b, const char *name)
@@ -156,7 +156,7 @@ static bool name_is_taken(const struct broker *b, const char *name)
 }
 
 /* A name is entered with its first process. */
-static void seat_new(struct broker *b, struct depot_capsule *c, uint32_t slot)
+static void seat_new(struct broker *b, struct snapshot *c, uint32_t slot)
 {
     uint32_t agent = registry_find(&b->registry, c->name);
     const char *wrong = name_is_taken(b, c->name) ? "name-taken" : NULL;
@@ -169,7 +169,7 @@ static void seat_new(struct broker *b, struct depot_capsule *c, uint32_t slot)
     const struct agent *host = &b->registry.agents[c->host];
     struct presence is = {.kind = muster_KIND_ROBOT,
                           .state = c->state,
-                          .since_wall_ns = runclock_wall_ns(b),
+                          .since_wall_ns = clock_wall_ns(b),
                           .pid = host->is.pid};
     (void)mu_text_copy(is.host, sizeof is.host, host->name);
     lifecycle_seat(b, agent, c->target, slot, &is);
@@ -178,7 +178,7 @@ static void seat_new(struct broker *b, struct depot_capsule *c, uint32_t slot)
     snapshots_drop(b, c);
 }
 
-static void seat(struct broker *b, struct depot_capsule *c, uint32_t slot)
+static void seat(struct broker *b, struct snapshot *c, uint32_t slot)
 {
     if (c->agent == MU_NONE) {
         seat_new(b, c, slot);
@@ -190,20 +190,20 @@ static void seat(struct broker *b, struct depot_capsule *c, uint32_t slot)
 
 static void ready_take(struct broker *b, uint32_t place, const muster_Trip *trip)
 {
-    struct depot_capsule *c = snapshots_answered_by(b, place, trip);
+    struct snapshot *c = snapshots_answered_by(b, place, trip);
     if (!c) {
         snapshots_refuse_copy(b, place, trip->agent, trip->epoch, "too-late");
     } else if (c->holds) {
         seat(b, c, trip->slot);
     } else {
-        c->phase = DEPOT_KEPT;
+        c->phase = SNAPSHOT_KEPT;
         snapshots_tell(b, c, c->source, muster_TRIP_READY, "");
     }
 }
 
 static void refusal_take(struct broker *b, uint32_t place, const muster_Trip *trip)
 {
-    struct depot_capsule *c = snapshots_answered_by(b, place, trip);
+    struct snapshot *c = snapshots_answered_by(b, place, trip);
     if (c) {
         bool held = c->holds;
         snapshots_refuse(b, c, trip->reason);
@@ -215,18 +215,18 @@ static void refusal_take(struct broker *b, uint32_t place, const muster_Trip *tr
 
 /* Nobody bears its name, and nobody is about to: a host that has it has been silent for too long.
  */
-static bool is_orphan(const struct broker *b, const struct depot_capsule *c)
+static bool is_orphan(const struct broker *b, const struct snapshot *c)
 {
     const struct agent *a = &b->registry.agents[c->agent];
-    uint64_t absent_ns = runclock_wall_ns(b) - a->since_wall_ns;
-    bool silent = c->phase == DEPOT_SENT && !c->holds && c->source == MU_NONE &&
+    uint64_t absent_ns = clock_wall_ns(b) - a->since_wall_ns;
+    bool silent = c->phase == SNAPSHOT_SENT && !c->holds && c->source == MU_NONE &&
                   c->until_ns <= b->clock.now_ns;
-    return (c->phase == DEPOT_KEPT || silent) && a->process == MU_NONE &&
+    return (c->phase == SNAPSHOT_KEPT || silent) && a->process == MU_NONE &&
            b->clock.now_ns >= ORPHAN_NS && absent_ns >= ORPHAN_NS;
 }
 
 /* Whom a lock step needs goes to a host of the run, when that has been started again. */
-static bool is_for(const struct broker *b, const struct depot_capsule *c, uint32_t host)
+static bool is_for(const struct broker *b, const struct snapshot *c, uint32_t host)
 {
     return !b->lockstep.on || !c->in_step || b->registry.agents[host].let_go;
 }
@@ -235,15 +235,15 @@ static void wanted_take(struct broker *b, uint32_t place, const muster_Trip *tri
 {
     uint32_t host = registry_find(&b->registry, trip->host);
     if (objection(b, host, false) || b->registry.agents[host].process != place ||
-        b->places.at[place].rostered) {
+        b->processes.at[place].rostered) {
         return;
     }
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.count > 0; i++) {
-        struct depot_capsule *c = &b->depot.capsules[i];
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.count > 0; i++) {
+        struct snapshot *c = &b->snapshots.snapshots[i];
         if (is_orphan(b, c) && is_for(b, c, host)) {
             c->source = MU_NONE;
             c->host = host;
-            b->depot.restored++;
+            b->snapshots.restored++;
             snapshots_send(b, c);
         }
     }
@@ -269,7 +269,7 @@ void transfer_hear(struct broker *b, uint32_t place, const muster_Trip *trip, bo
 static bool name_is_awaited(const struct broker *b, const char *name)
 {
     for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
-        const struct depot_capsule *c = &b->depot.capsules[i];
+        const struct snapshot *c = &b->snapshots.snapshots[i];
         if (c->holds && c->agent == MU_NONE && strcmp(c->name, name) == 0) {
             return true;
         }
@@ -277,7 +277,7 @@ static bool name_is_awaited(const struct broker *b, const char *name)
     return false;
 }
 
-static void capsule_set_out(struct broker *b, struct depot_capsule *c)
+static void snapshot_set_out(struct broker *b, struct snapshot *c)
 {
     bool is_new = c->agent == MU_NONE;
     if (!is_new && !is_at_home(b, c)) { /* its process was let go of: this was never said */
@@ -292,41 +292,41 @@ static void capsule_set_out(struct broker *b, struct depot_capsule *c)
         return;
     }
     c->holds = true;
-    b->depot.holding++;
+    b->snapshots.holding++;
     snapshots_send(b, c);
 }
 
 static int asker_compare(const void *x, const void *y, const void *broker)
 {
     const struct broker *b = broker;
-    const struct depot_capsule *one = &b->depot.capsules[*(const uint32_t *)x];
-    const struct depot_capsule *other = &b->depot.capsules[*(const uint32_t *)y];
+    const struct snapshot *one = &b->snapshots.snapshots[*(const uint32_t *)x];
+    const struct snapshot *other = &b->snapshots.snapshots[*(const uint32_t *)y];
     int askers = strcmp(b->registry.agents[one->asker].name, b->registry.agents[other->asker].name);
     return askers != 0 ? askers : strcmp(one->name, other->name);
 }
 
-/* Whose capsule came first depends on the clock; who sets out first does not. */
+/* Whose snapshot came first depends on the clock; who sets out first does not. */
 bool transfer_step_ended(struct broker *b)
 {
-    struct depot *d = &b->depot;
+    struct snapshots *d = &b->snapshots;
     uint32_t order[MU_CAPSULES_MAX], count = 0;
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && d->count > 0; i++) {
-        if (d->capsules[i].phase == DEPOT_STEP) {
+        if (d->snapshots[i].phase == SNAPSHOT_STEP) {
             order[count++] = i;
         }
     }
     mu_sort(order, count, sizeof order[0], asker_compare, b);
     for (uint32_t i = 0; i < count; i++) {
-        capsule_set_out(b, &d->capsules[order[i]]);
+        snapshot_set_out(b, &d->snapshots[order[i]]);
     }
     return d->holding > 0;
 }
 
 void transfer_lockstep_over(struct broker *b)
 {
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.count > 0; i++) {
-        struct depot_capsule *c = &b->depot.capsules[i];
-        if (c->phase == DEPOT_STEP || c->holds) {
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.count > 0; i++) {
+        struct snapshot *c = &b->snapshots.snapshots[i];
+        if (c->phase == SNAPSHOT_STEP || c->holds) {
             snapshots_refuse(b, c, "lock-step");
         }
     }
@@ -336,8 +336,8 @@ void transfer_lockstep_over(struct broker *b)
 
 void transfer_tick(struct broker *b)
 {
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->depot.holding > 0; i++) {
-        struct depot_capsule *c = &b->depot.capsules[i];
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.holding > 0; i++) {
+        struct snapshot *c = &b->snapshots.snapshots[i];
         if (c->holds && c->until_ns <= b->clock.now_ns) {
             snapshots_refuse_copy(b, c->target, c->name, c->epoch, "too-late");
             snapshots_refuse(b, c, "host-silent");

@@ -11,13 +11,13 @@
 bool names_is_paced(const struct broker *b, uint32_t agent)
 {
     uint32_t place = b->registry.agents[agent].process;
-    return place != MU_NONE && b->places.at[place].rostered;
+    return place != MU_NONE && b->processes.at[place].rostered;
 }
 
 bool names_in_lockstep(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
-    bool looks_on = a->process != MU_NONE && b->places.at[a->process].watches &&
+    bool looks_on = a->process != MU_NONE && b->processes.at[a->process].watches &&
                     a->is.kind == muster_KIND_SPECIAL;
     return names_is_paced(b, agent) && !looks_on;
 }
@@ -31,20 +31,20 @@ void names_confirm(struct broker *b, uint32_t agent, uint64_t number)
 bool names_is_beyond(const struct broker *b, uint32_t agent)
 {
     uint32_t place = b->registry.agents[agent].process;
-    return place != MU_NONE && b->places.at[place].is_broker;
+    return place != MU_NONE && b->processes.at[place].is_broker;
 }
 
 void names_changed(struct broker *b)
 {
-    if (b->places.all_awake) {
+    if (b->processes.all_awake) {
         return;
     }
-    for (uint32_t i = 0; i < b->places.top; i++) {
-        if (b->places.at[i].used && b->places.at[i].matched) {
-            places_wake(&b->places, i);
+    for (uint32_t i = 0; i < b->processes.top; i++) {
+        if (b->processes.at[i].used && b->processes.at[i].matched) {
+            processes_wake(&b->processes, i);
         }
     }
-    b->places.all_awake = true;
+    b->processes.all_awake = true;
 }
 
 bool names_is_held(const struct broker *b, uint32_t agent)
@@ -72,13 +72,13 @@ void names_owe_verdict(struct broker *b, uint32_t agent)
     struct agent *a = &b->registry.agents[agent];
     a->seated = false;
     a->seated_above = mailbox_last_number(&b->mailbox, agent);
-    a->verdict_due = !b->places.at[a->process].is_broker || mailbox_is_begun(&b->mailbox, agent);
+    a->verdict_due = !b->processes.at[a->process].is_broker || mailbox_is_begun(&b->mailbox, agent);
 }
 
 void names_tell_number(struct broker *b, uint32_t agent)
 {
     struct agent *a = &b->registry.agents[agent];
-    if (a->process != MU_NONE && b->places.at[a->process].is_broker) {
+    if (a->process != MU_NONE && b->processes.at[a->process].is_broker) {
         a->verdict_due = true;
     }
 }

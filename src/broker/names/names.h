@@ -24,7 +24,7 @@ struct broker;
  * An agent keeps its index for ever; the other parts of the broker use it to find what is theirs.
  */
 
-/** The broker itself stands first in the white pages, its parts after it (counters.h). */
+/** The broker itself stands first in the white pages, its parts after it (metrics.h). */
 enum {
     REGISTRY_BROKER = 0,
     REGISTRY_OWN = MU_BROKER_LINES,
@@ -55,18 +55,18 @@ struct presence {
 
 /* Queues of a place, for agents that may have something to be told: until they are served, and
  * until somebody has looked at how urgent it is. */
-enum tenant_queue { TENANT_READY, TENANT_STIRRED, TENANT_QUEUES };
+enum resident_queue { RESIDENT_READY, RESIDENT_STIRRED, RESIDENT_QUEUES };
 
-struct tenant_link {
+struct resident_link {
     uint32_t next, prev;
     bool queued;
 };
 
-/* An agent in a place: see tenants.h. */
-struct tenant {
+/* An agent in a place: see residents.h. */
+struct resident {
     uint32_t place, slot;
     uint32_t next, prev; /* of the same part */
-    struct tenant_link links[TENANT_QUEUES];
+    struct resident_link links[RESIDENT_QUEUES];
 };
 
 struct agent {
@@ -76,7 +76,7 @@ struct agent {
     uint32_t left;                  /* the seat that a lock step took it from, or MU_NONE */
     uint64_t left_wall_ns;          /* since when who left that had its name */
     uint32_t claim;                 /* the first one on its name: see claims.h; MU_NONE: nobody's */
-    struct tenant tenant;           /* while it has a process */
+    struct resident resident;       /* while it has a process */
     struct presence is;
     uint64_t since_wall_ns;
     uint64_t seen_seq;      /* the last mail that it has sent in this life of the broker */
@@ -111,7 +111,7 @@ struct registry {
     uint32_t count;
     uint32_t present; /* agents that are there, the broker and its parts not counted */
     uint32_t *order;  /* indices in order of name */
-    struct changes changes;
+    struct changelog changes;
     bool pages_due[REGISTRY_PAGES]; /* something in them has changed */
     uint32_t news[REGISTRY_PAGES];  /* a ring: these pages */
     uint32_t news_head;
@@ -205,14 +205,14 @@ bool claims_add(struct claims *c, uint32_t *first, const struct claim *claim);
 /** Ends one of the claims that *first begins. */
 void claims_drop(struct claims *c, uint32_t *first, uint32_t index);
 
-/* --- places.c -------------------------------------------------------------------------------- */
+/* --- processes.c ----------------------------------------------------------------------------- */
 
 /* The processes that agents live in, and which of them have something to be told. */
 
 enum {
-    PLACES_PARTS = MU_PARTS_MAX,
-    PLACES_REFUSALS = 64,          /* that wait for one Delivery */
-    PLACES_ALL = MU_PROCESSES_MAX, /* no place */
+    PROCESSES_PARTS = MU_PARTS_MAX,
+    PROCESSES_REFUSALS = 64,          /* that wait for one Delivery */
+    PROCESSES_ALL = MU_PROCESSES_MAX, /* no place */
 };
 
 _Static_assert(MU_LOCAL_AGENTS_MAX % MU_PART_AGENTS == 0, "a process has whole parts");
@@ -224,12 +224,12 @@ struct refusal {
     const char *reason;
 };
 
-/* Agents of a place: see tenants.h. */
-struct tenant_ends {
+/* Agents of a place: see residents.h. */
+struct resident_ends {
     uint32_t first, last;
 };
 
-struct place {
+struct process {
     char name[MU_PROCESS_MAX + 1];
     bool used;
     bool matched;
@@ -239,14 +239,14 @@ struct place {
     bool answered;         /* its Up of the current step is in */
     bool step_due;         /* the Delivery of the last step has not gone out to it */
     bool queued;           /* in the queue of those to look at */
-    bool held;             /* waits for the courier to wake */
+    bool held;             /* waits for the dispatcher to wake */
     bool blocked;          /* the network refused it; waits for the next try */
     bool lost;             /* nobody has written for it since its liveliness ended */
     bool roll_call_due;    /* it is to say all its parts again */
     bool speaks;           /* its registration is just being taken in */
-    bool flooded;          /* its last Delivery had many mails: see floods.h */
+    bool flooded;          /* its last Delivery had many mails: see pacing.h */
     bool flood_queued;     /* among the places that are held for that */
-    bool hears;            /* circulars */
+    bool hears;            /* multicasts */
     bool overruled;        /* a lock step has passed over a name that it asked for */
     bool is_broker;        /* a broker, and its agents live beyond it */
     uint64_t incarnation;  /* of the process */
@@ -261,18 +261,18 @@ struct place {
     uint64_t services_had;
     uint32_t claims; /* names that it waits for */
     uint32_t agents_count;
-    uint32_t parts_top;           /* parts ever used */
-    uint32_t parts[PLACES_PARTS]; /* the first agent of each: see tenants.h */
-    struct tenant_ends queues[TENANT_QUEUES];
+    uint32_t parts_top;              /* parts ever used */
+    uint32_t parts[PROCESSES_PARTS]; /* the first agent of each: see residents.h */
+    struct resident_ends queues[RESIDENT_QUEUES];
     uint32_t refusals_count;
     uint32_t unmatched_at; /* where it stands among the unmatched, if it has not matched */
-    struct refusal refusals[PLACES_REFUSALS];
+    struct refusal refusals[PROCESSES_REFUSALS];
 };
 
-struct places {
-    struct place *at; /* MU_PROCESSES_MAX of them */
-    uint32_t top;     /* entries ever used */
-    uint32_t seats;   /* given out */
+struct processes {
+    struct process *at; /* MU_PROCESSES_MAX of them */
+    uint32_t top;       /* entries ever used */
+    uint32_t seats;     /* given out */
     uint32_t used_count;
     uint32_t *unmatched; /* indices of those in use that have not matched */
     uint32_t unmatched_count;
@@ -284,71 +284,72 @@ struct places {
     struct mu_table names;
 };
 
-void places_init(struct places *p);
+void processes_init(struct processes *p);
 
 /** @return the index of a process, or MU_NONE */
-uint32_t places_find(const struct places *p, const char *name);
+uint32_t processes_find(const struct processes *p, const char *name);
 
 /** Finds a process or enters it.  @return its index, or MU_NONE when full */
-uint32_t places_get(struct places *p, const char *name);
+uint32_t processes_get(struct processes *p, const char *name);
 
 /** Forgets a process, unless somebody needs it. */
-void places_tidy(struct places *p, uint32_t place);
+void processes_tidy(struct processes *p, uint32_t place);
 
-void places_set_matched(struct places *p, uint32_t place, bool matched);
+void processes_set_matched(struct processes *p, uint32_t place, bool matched);
 
 /** Notes a refused registration; when there are too many, the process will ask again. */
-void places_refuse(struct places *p, uint32_t place, const char *name, muster_Refusal code,
-                   const char *reason);
+void processes_refuse(struct processes *p, uint32_t place, const char *name, muster_Refusal code,
+                      const char *reason);
 
 /** The name is the process's after all: what it has not heard yet, it need not hear. */
-void places_accept(struct places *p, uint32_t place, const char *name);
+void processes_accept(struct processes *p, uint32_t place, const char *name);
 
 /** Puts a process into the queue of those that may have something to be told. */
-void places_wake(struct places *p, uint32_t place);
+void processes_wake(struct processes *p, uint32_t place);
 
 /** Takes the first one out of the queue.  @return MU_NONE when it is empty */
-uint32_t places_next(struct places *p);
+uint32_t processes_next(struct processes *p);
 
 /** The network refused it (true), or may be tried again (false). */
-void places_set_blocked(struct places *p, uint32_t place, bool blocked);
+void processes_set_blocked(struct processes *p, uint32_t place, bool blocked);
 
-/* --- tenants.c ------------------------------------------------------------------------------- */
+/* --- residents.c ----------------------------------------------------------------------------- */
 
 /* Which agents live in a place, part by part, and which of them may have something to be told. */
 
 /** No agent: the broker itself lives in no place. */
-enum { TENANTS_NONE = REGISTRY_BROKER };
+enum { RESIDENTS_NONE = REGISTRY_BROKER };
 
 /** An agent, which lives nowhere, moves into a slot of a place. */
-void tenants_add(struct registry *r, struct places *p, uint32_t place, uint32_t slot,
-                 uint32_t agent);
+void residents_add(struct registry *r, struct processes *p, uint32_t place, uint32_t slot,
+                   uint32_t agent);
 
 /** An agent leaves its place. */
-void tenants_remove(struct registry *r, struct places *p, uint32_t agent);
+void residents_remove(struct registry *r, struct processes *p, uint32_t agent);
 
-/** @return the first agent of a place, or of a part of it, or TENANTS_NONE */
-uint32_t tenants_first(const struct places *p, uint32_t place);
-uint32_t tenants_first_of(const struct places *p, uint32_t place, uint32_t part);
+/** @return the first agent of a place, or of a part of it, or RESIDENTS_NONE */
+uint32_t residents_first(const struct processes *p, uint32_t place);
+uint32_t residents_first_of(const struct processes *p, uint32_t place, uint32_t part);
 
-/** @return the next agent of the same place, or of the same part, or TENANTS_NONE */
-uint32_t tenants_next(const struct registry *r, const struct places *p, uint32_t agent);
-uint32_t tenants_next_of(const struct registry *r, uint32_t agent);
+/** @return the next agent of the same place, or of the same part, or RESIDENTS_NONE */
+uint32_t residents_next(const struct registry *r, const struct processes *p, uint32_t agent);
+uint32_t residents_next_of(const struct registry *r, uint32_t agent);
 
 /** The agent may have something to be told, and its place with it; without a place, nothing. */
-void tenants_wake(struct registry *r, struct places *p, uint32_t agent);
+void residents_wake(struct registry *r, struct processes *p, uint32_t agent);
 
 /**
- * @return an agent of the place that was woken since it was last served or calmed, or TENANTS_NONE:
- *         so nobody who waits has to be looked at twice
+ * @return an agent of the place that was woken since it was last served or calmed, or
+ * RESIDENTS_NONE: so nobody who waits has to be looked at twice
  */
-uint32_t tenants_stirred(const struct places *p, uint32_t place);
+uint32_t residents_stirred(const struct processes *p, uint32_t place);
 
 /** What the agent has to be told can wait, until it is woken again. */
-void tenants_calm(struct registry *r, struct places *p, uint32_t agent);
+void residents_calm(struct registry *r, struct processes *p, uint32_t agent);
 
-/** Takes the agent that waits longest out of a place's queue.  @return TENANTS_NONE: none waits */
-uint32_t tenants_pop(struct registry *r, struct places *p, uint32_t place);
+/** Takes the agent that waits longest out of a place's queue.  @return RESIDENTS_NONE: none waits
+ */
+uint32_t residents_pop(struct registry *r, struct processes *p, uint32_t place);
 
 /* --- names.c --------------------------------------------------------------------------------- */
 
@@ -412,19 +413,19 @@ void names_owe_verdict(struct broker *b, uint32_t agent);
  */
 
 /* How long another way has to wait that may be an echo of our own. */
-enum { LIAISON_PAUSE_MS = 1000 };
+enum { FEDERATION_PAUSE_MS = 1000 };
 
 /*
  * Where a new process of a name begins to number its mail: each broker has lanes of its own, by its
  * name, so that of two that cannot hear each other neither gives a number that the other gives.
  */
-enum { LIAISON_LANE_NUMBERS = 1 << 16, LIAISON_LANES = 1 << 20 };
+enum { FEDERATION_RANGE_NUMBERS = 1 << 16, FEDERATION_RANGES = 1 << 20 };
 
 /* Acknowledgements in one Up to a neighbour. */
-enum { LIAISON_ACKS = 1024 };
+enum { FEDERATION_ACKS = 1024 };
 
 /* What a neighbour says of an agent. */
-struct way {
+struct route {
     bool present, no_broadcasts;
     uint8_t kind, state;
     uint32_t hops; /* brokers between the neighbour and the agent */
@@ -444,7 +445,7 @@ struct peer {
     uint64_t incarnation;
     uint64_t heard_ns; /* when this life of it was heard last */
     /* One for each agent of the registry: */
-    struct way *ways;
+    struct route *routes;
     uint64_t *taken; /* the last number of its box there that was taken here */
     bool *ack_due;
     uint32_t *acks; /* those with an acknowledgement due */
@@ -457,11 +458,11 @@ struct pause {
     uint64_t until_ns;
 };
 
-struct liaison_counts {
+struct federation_counts {
     uint64_t announced, parcels_in, passed_on, repeated, receipts_in, clashes, hops_refused;
 };
 
-struct liaison {
+struct federation {
     struct peer peers[MU_BROKERS_MAX];
     uint32_t peers_count;
     uint32_t peers_there;
@@ -482,10 +483,10 @@ struct liaison {
     uint32_t peer_open;
     muster_Ack *acks_open;
     uint32_t acks_open_count;
-    struct liaison_counts count;
+    struct federation_counts count;
 };
 
-void remote_init(struct liaison *l);
+void remote_init(struct federation *l);
 
 /** @return whether a process's name is that of a broker */
 bool remote_is_broker(const char *process);
@@ -499,8 +500,8 @@ struct peer *remote_peer(struct broker *b, const char *name);
 /** @return the reason of a refusal: somebody at that broker holds the name */
 const char *remote_holder(struct broker *b, const char *home);
 
-/** @return the lane of this broker, below LIAISON_LANES */
-uint64_t remote_lane(const struct broker *b);
+/** @return the lane of this broker, below FEDERATION_RANGES */
+uint64_t remote_range(const struct broker *b);
 
 /** @return the number behind which a new process of that agent begins to number its mail */
 uint64_t remote_begin_seq(const struct broker *b, uint32_t agent);
@@ -513,20 +514,20 @@ struct peer *remote_best_peer(struct broker *b, uint32_t agent);
 bool remote_is_over(const struct broker *b, const struct peer *p);
 
 /** @return whether a way can lead back to here: its neighbour may have it from us */
-bool remote_may_be_echo(const struct agent *a, const struct way *way, bool same_neighbour);
+bool remote_may_be_echo(const struct agent *a, const struct route *route, bool same_neighbour);
 
 void remote_forget_numbers(struct broker *b, struct peer *p);
 
-void remote_begin_pause(struct broker *b, uint32_t agent);
+void remote_hold_down(struct broker *b, uint32_t agent);
 
 /** Who is silent makes room. */
 struct peer *remote_add_peer(struct broker *b, const char *name);
 
 void remote_set_there(struct broker *b, struct peer *p, bool there);
 
-struct presence remote_presence(const struct way *way);
+struct presence remote_presence(const struct route *route);
 
 /** A process that comes after it must not begin with numbers that it has used. */
-void remote_lose_way(struct broker *b, struct peer *p, uint32_t agent);
+void remote_lose_route(struct broker *b, struct peer *p, uint32_t agent);
 
 #endif

@@ -12,7 +12,7 @@ void registry_init(struct registry *r)
     *r = (struct registry){0};
     r->agents = mu_startup_array(REGISTRY_MAX, sizeof *r->agents);
     r->order = mu_startup_array(REGISTRY_MAX, sizeof *r->order);
-    changes_init(&r->changes, REGISTRY_MAX);
+    changelog_init(&r->changes, REGISTRY_MAX);
     mu_table_init(&r->names, REGISTRY_MAX);
 }
 
@@ -82,7 +82,7 @@ void registry_mark_page(struct registry *r, uint32_t page)
 
 void registry_touch(struct registry *r, uint32_t agent)
 {
-    changes_touch(&r->changes, agent);
+    changelog_touch(&r->changes, agent);
     registry_mark_page(r, agent / REGISTRY_PAGE);
 }
 

@@ -12,29 +12,29 @@
 static const char PREFIX[] = "broker.";
 enum { PREFIX_LEN = sizeof PREFIX - 1 };
 
-static const uint64_t PAUSE_NS = LIAISON_PAUSE_MS * 1000000ull;
+static const uint64_t PAUSE_NS = FEDERATION_PAUSE_MS * 1000000ull;
 
 /* So long DDS keeps what somebody has written who is not heard. */
 static const uint64_t OVER_NS = 10000000000;
 
-void remote_init(struct liaison *l)
+void remote_init(struct federation *l)
 {
-    *l = (struct liaison){.part_open = MU_NONE, .peer_open = MU_NONE};
+    *l = (struct federation){.part_open = MU_NONE, .peer_open = MU_NONE};
     /* For all peers together: memory in large pieces stays untouched until it is used. */
     size_t all = (size_t)MU_BROKERS_MAX * REGISTRY_MAX;
-    struct way *ways = mu_startup_array(all, sizeof *ways);
+    struct route *routes = mu_startup_array(all, sizeof *routes);
     uint64_t *taken = mu_startup_array(all, sizeof *taken);
     bool *ack_due = mu_startup_array(all, sizeof *ack_due);
     uint32_t *acks = mu_startup_array(all, sizeof *acks);
     for (size_t i = 0; i < MU_BROKERS_MAX; i++) {
-        l->peers[i] = (struct peer){.ways = ways + i * REGISTRY_MAX,
+        l->peers[i] = (struct peer){.routes = routes + i * REGISTRY_MAX,
                                     .taken = taken + i * REGISTRY_MAX,
                                     .ack_due = ack_due + i * REGISTRY_MAX,
                                     .acks = acks + i * REGISTRY_MAX};
     }
     l->pauses = mu_startup_array(REGISTRY_MAX, sizeof *l->pauses);
     l->pausing = mu_startup_array(REGISTRY_MAX, sizeof *l->pausing);
-    l->acks_open = mu_startup_array(LIAISON_ACKS, sizeof *l->acks_open);
+    l->acks_open = mu_startup_array(FEDERATION_ACKS, sizeof *l->acks_open);
 }
 
 bool remote_is_broker(const char *process)
@@ -49,9 +49,9 @@ const char *remote_name(const char *process)
 
 struct peer *remote_peer(struct broker *b, const char *name)
 {
-    for (uint32_t i = 0; i < b->liaison.peers_count; i++) {
-        if (strcmp(b->liaison.peers[i].name, name) == 0) {
-            return &b->liaison.peers[i];
+    for (uint32_t i = 0; i < b->federation.peers_count; i++) {
+        if (strcmp(b->federation.peers[i].name, name) == 0) {
+            return &b->federation.peers[i];
         }
     }
     return NULL;
@@ -59,7 +59,7 @@ struct peer *remote_peer(struct broker *b, const char *name)
 
 const char *remote_holder(struct broker *b, const char *home)
 {
-    struct liaison *l = &b->liaison;
+    struct federation *l = &b->federation;
     char reason[MU_FIELD_MAX + 1];
     struct mu_text t;
     mu_text_init(&t, reason, sizeof reason);
@@ -77,7 +77,7 @@ const char *remote_holder(struct broker *b, const char *home)
 }
 
 /* @return whether one way is better than another, to the same agent or to another of its name */
-static bool way_is_better(const struct way *one, const struct way *other)
+static bool route_is_better(const struct route *one, const struct route *other)
 {
     if (one->since_wall_ns != other->since_wall_ns) {
         return one->since_wall_ns < other->since_wall_ns;
@@ -88,42 +88,43 @@ static bool way_is_better(const struct way *one, const struct way *other)
 struct peer *remote_best_peer(struct broker *b, uint32_t agent)
 {
     struct peer *best = NULL;
-    for (uint32_t i = 0; i < b->liaison.peers_count; i++) {
-        struct peer *p = &b->liaison.peers[i];
-        const struct way *way = &p->ways[agent];
-        if (p->there && way->present && way->hops < MU_DISTANCE_MAX &&
-            (!best || way_is_better(way, &best->ways[agent]))) {
+    for (uint32_t i = 0; i < b->federation.peers_count; i++) {
+        struct peer *p = &b->federation.peers[i];
+        const struct route *route = &p->routes[agent];
+        if (p->there && route->present && route->hops < MU_DISTANCE_MAX &&
+            (!best || route_is_better(route, &best->routes[agent]))) {
             best = p;
         }
     }
     return best;
 }
 
-struct presence remote_presence(const struct way *way)
+struct presence remote_presence(const struct route *route)
 {
-    struct presence is = {.kind = (muster_Kind)way->kind,
-                          .state = (muster_State)way->state,
-                          .no_broadcasts = way->no_broadcasts,
-                          .hops = way->hops + 1,
-                          .since_wall_ns = way->since_wall_ns,
-                          .pid = way->pid,
-                          .busy_since_wall_ns = way->busy_since_wall_ns};
-    (void)mu_text_copy(is.home, sizeof is.home, way->home);
-    (void)mu_text_copy(is.host, sizeof is.host, way->host);
-    (void)mu_text_copy(is.reason, sizeof is.reason, way->reason);
+    struct presence is = {.kind = (muster_Kind)route->kind,
+                          .state = (muster_State)route->state,
+                          .no_broadcasts = route->no_broadcasts,
+                          .hops = route->hops + 1,
+                          .since_wall_ns = route->since_wall_ns,
+                          .pid = route->pid,
+                          .busy_since_wall_ns = route->busy_since_wall_ns};
+    (void)mu_text_copy(is.home, sizeof is.home, route->home);
+    (void)mu_text_copy(is.host, sizeof is.host, route->host);
+    (void)mu_text_copy(is.reason, sizeof is.reason, route->reason);
     return is;
 }
 
-bool remote_may_be_echo(const struct agent *a, const struct way *way, bool same_neighbour)
+bool remote_may_be_echo(const struct agent *a, const struct route *route, bool same_neighbour)
 {
-    uint32_t hops = way->hops + 1;
-    bool is_known = a->is.since_wall_ns == way->since_wall_ns && strcmp(a->is.home, way->home) == 0;
-    return is_known && way->hops > 0 && (same_neighbour ? hops > a->is.hops : hops >= a->is.hops);
+    uint32_t hops = route->hops + 1;
+    bool is_known =
+        a->is.since_wall_ns == route->since_wall_ns && strcmp(a->is.home, route->home) == 0;
+    return is_known && route->hops > 0 && (same_neighbour ? hops > a->is.hops : hops >= a->is.hops);
 }
 
-void remote_begin_pause(struct broker *b, uint32_t agent)
+void remote_hold_down(struct broker *b, uint32_t agent)
 {
-    struct liaison *l = &b->liaison;
+    struct federation *l = &b->federation;
     if (!l->pausing[agent]) {
         uint32_t at = (l->pauses_head + l->pauses_count++) % REGISTRY_MAX;
         l->pausing[agent] = true;
@@ -133,25 +134,25 @@ void remote_begin_pause(struct broker *b, uint32_t agent)
 
 uint64_t remote_deadline_ns(const struct broker *b)
 {
-    const struct liaison *l = &b->liaison;
+    const struct federation *l = &b->federation;
     return l->pauses_count > 0 ? l->pauses[l->pauses_head].until_ns : UINT64_MAX;
 }
 
 /* --- numbers ------------------------------------------------------------------------------------
  */
 
-uint64_t remote_lane(const struct broker *b)
+uint64_t remote_range(const struct broker *b)
 {
-    return mu_hash_number(mu_hash_string(b->name)) % LIAISON_LANES;
+    return mu_hash_number(mu_hash_string(b->name)) % FEDERATION_RANGES;
 }
 
 /* @return the last number before the next lane of this broker, or last if that is in one */
 static uint64_t lane_after(const struct broker *b, uint64_t last)
 {
-    const uint64_t all = (uint64_t)LIAISON_LANES * LIAISON_LANE_NUMBERS;
-    uint64_t lane = remote_lane(b);
-    uint64_t lane_at = lane * LIAISON_LANE_NUMBERS, in_round = last % all;
-    if (in_round / LIAISON_LANE_NUMBERS == lane) {
+    const uint64_t all = (uint64_t)FEDERATION_RANGES * FEDERATION_RANGE_NUMBERS;
+    uint64_t lane = remote_range(b);
+    uint64_t lane_at = lane * FEDERATION_RANGE_NUMBERS, in_round = last % all;
+    if (in_round / FEDERATION_RANGE_NUMBERS == lane) {
         return last;
     }
     return last - in_round + lane_at + (in_round > lane_at ? all : 0);
@@ -161,7 +162,7 @@ static uint64_t lane_after(const struct broker *b, uint64_t last)
  * and in a lock step all numbers are those of a run with one broker. */
 uint64_t remote_begin_seq(const struct broker *b, uint32_t agent)
 {
-    const struct liaison *l = &b->liaison;
+    const struct federation *l = &b->federation;
     uint64_t last = registry_last_seq(&b->registry.agents[agent]);
     bool others_may_begin = l->peers_count > 0 && (last > 0 || l->peers_there < l->peers_count);
     if (!others_may_begin || b->lockstep.on) {
@@ -171,30 +172,30 @@ uint64_t remote_begin_seq(const struct broker *b, uint32_t agent)
     return begin <= INT64_MAX / 2 ? begin : last;
 }
 
-void remote_lose_way(struct broker *b, struct peer *p, uint32_t agent)
+void remote_lose_route(struct broker *b, struct peer *p, uint32_t agent)
 {
-    struct way *way = &p->ways[agent];
+    struct route *route = &p->routes[agent];
     struct agent *a = &b->registry.agents[agent];
     uint64_t most = INT64_MAX / 2;
-    uint64_t last = way->last_seq < most ? way->last_seq + JOURNAL_RESERVE : most;
-    if (way->present && last > a->elsewhere_seq) {
+    uint64_t last = route->last_seq < most ? route->last_seq + JOURNAL_RESERVE : most;
+    if (route->present && last > a->elsewhere_seq) {
         a->elsewhere_seq = last;
     }
-    if (strcmp(way->home, p->name) == 0) {
+    if (strcmp(route->home, p->name) == 0) {
         names_hold(b, agent);
     }
-    way->present = false;
+    route->present = false;
 }
 
 void remote_set_there(struct broker *b, struct peer *p, bool there)
 {
-    b->liaison.peers_there += (uint32_t)there - (uint32_t)p->there;
+    b->federation.peers_there += (uint32_t)there - (uint32_t)p->there;
     p->there = there;
 }
 
 struct peer *remote_add_peer(struct broker *b, const char *name)
 {
-    struct liaison *l = &b->liaison;
+    struct federation *l = &b->federation;
     struct peer *p = l->peers_count < MU_BROKERS_MAX ? &l->peers[l->peers_count++] : NULL;
     for (uint32_t i = 0; i < l->peers_count && !p; i++) {
         p = l->peers[i].there ? NULL : &l->peers[i];

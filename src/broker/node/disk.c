@@ -61,7 +61,7 @@ static bool put_agent(struct disk *d, const struct journal_entry *e)
 {
     struct filling f = fill(d, DISK_PUT_AGENT);
     fill_text(&f, e->name);
-    fill_text(&f, border_kind_word(e->agent_kind));
+    fill_text(&f, validate_kind_word(e->agent_kind));
     fill_number(&f, e->durable_seq);
     fill_number(&f, e->reserved_seq);
     fill_number(&f, e->failed_seq);
@@ -102,11 +102,11 @@ static bool drop_lines(struct disk *d, const struct journal_entry *e)
 
 static bool put_capsule(struct disk *d, const struct journal_entry *e)
 {
-    struct filling f = fill(d, e->capsule[0] ? DISK_PUT_CAPSULE : DISK_DROP_CAPSULE);
+    struct filling f = fill(d, e->snapshot[0] ? DISK_PUT_CAPSULE : DISK_DROP_CAPSULE);
     fill_text(&f, e->name);
-    if (e->capsule[0]) {
+    if (e->snapshot[0]) {
         fill_number(&f, e->epoch);
-        fill_text(&f, e->capsule);
+        fill_text(&f, e->snapshot);
     }
     return disk_step(f.statement);
 }
@@ -127,7 +127,7 @@ static bool entries_write(struct disk *d, struct broker *b)
         [JOURNAL_AGENT] = put_agent,     [JOURNAL_MAIL] = disk_bundle_put,
         [JOURNAL_WAITING] = set_waiting, [JOURNAL_GONE] = disk_bundle_drop,
         [JOURNAL_LINE] = put_line,       [JOURNAL_RESET] = drop_lines,
-        [JOURNAL_CLOCK] = put_clock,     [JOURNAL_CAPSULE] = put_capsule};
+        [JOURNAL_CLOCK] = put_clock,     [JOURNAL_SNAPSHOT] = put_capsule};
     struct journal_entry e;
     disk_bundle_begin(d);
     while (journal_next(b, &e)) {

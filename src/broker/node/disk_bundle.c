@@ -11,7 +11,7 @@
 enum {
     TEXT_ENOUGH = 32 * 1024, /* a bundle that has so much takes no more mail */
     /* The largest mail: a byte of a string is six in JSON at most. */
-    MAIL_BYTES = 6 * STORE_RECORD_MAX + JOURNAL_WAITING_BYTES + 1024,
+    MAIL_BYTES = 6 * POOL_RECORD_MAX + JOURNAL_WAITING_BYTES + 1024,
 };
 
 /* --- the tables ------------------------------------------------------------------------------- */

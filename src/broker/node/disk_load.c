@@ -31,8 +31,8 @@ static void read_agent(struct reading *r, struct journal_entry *e)
     e->kind = JOURNAL_AGENT;
     e->name = read_text(r);
     const char *kind = read_text(r);
-    for (unsigned i = 0; border_kind_word((muster_Kind)i); i++) {
-        if (strcmp(border_kind_word((muster_Kind)i), kind) == 0) {
+    for (unsigned i = 0; validate_kind_word((muster_Kind)i); i++) {
+        if (strcmp(validate_kind_word((muster_Kind)i), kind) == 0) {
             e->agent_kind = (muster_Kind)i;
         }
     }
@@ -69,10 +69,10 @@ static void read_clock(struct reading *r, struct journal_entry *e)
 
 static void read_capsule(struct reading *r, struct journal_entry *e)
 {
-    e->kind = JOURNAL_CAPSULE;
+    e->kind = JOURNAL_SNAPSHOT;
     e->name = read_text(r);
     e->epoch = read_number(r);
-    e->capsule = read_text(r);
+    e->snapshot = read_text(r);
 }
 
 static void read_mail(struct reading *r, struct journal_entry *e)

@@ -27,7 +27,7 @@ static const char schema[] =
     "  ('incarnation', 0), ('run_wall_ns', 0);";
 
 /* Not in the first stores of this version. */
-static const char capsules[] =
+static const char snapshots[] =
     "CREATE TABLE IF NOT EXISTS capsules (agent TEXT PRIMARY KEY, epoch INTEGER,\n"
     "  text TEXT -- a passport and the capsule: an agent on its way, to be restored\n"
     ") WITHOUT ROWID;";
@@ -262,8 +262,9 @@ static mu_result store_begin(struct disk *d, uint64_t wall_ns)
     }
     d->full_sync = true;
     bool begun = disk_run(d, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL") &&
-                 schema_set(d, version) && disk_run(d, capsules) && incarnation_begin(d, wall_ns) &&
-                 statements_prepare(d) && sqlite3_db_release_memory(d->db) == SQLITE_OK;
+                 schema_set(d, version) && disk_run(d, snapshots) &&
+                 incarnation_begin(d, wall_ns) && statements_prepare(d) &&
+                 sqlite3_db_release_memory(d->db) == SQLITE_OK;
     if (d->unbegun) {
         mu_log(MU_LOG_ERROR, "store-cannot-write",
                "file=%s durable mail is refused until it can: the disk is full", d->path);

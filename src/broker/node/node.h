@@ -21,26 +21,26 @@
 
 struct broker;
 
-/* --- mailbags.c ------------------------------------------------------------------------------ */
+/* --- outlets.c ------------------------------------------------------------------------------- */
 
 /* The writers of Deliveries: one into the partition of each process that the broker serves. */
 
-struct mailbag {
+struct outlet {
     char process[MU_PROCESS_MAX + 1];
     struct bus_writer writer;
     bool matched;
-    bool hears;        /* circulars */
+    bool hears;        /* multicasts */
     uint32_t hearers;  /* how many of them there were when it was last asked whether it does */
     uint32_t readers;  /* it has ever had */
     uint64_t heard_ns; /* when its last Up came, by the machine's clock; 0: none has */
 };
 
-struct mailbags {
+struct outlets {
     struct bus *bus;
     struct bus_writer circulars;
     bool once; /* they are used */
     const struct bus_reader *ups;
-    struct mailbag at[MU_PROCESSES_MAX];
+    struct outlet at[MU_PROCESSES_MAX];
     uint32_t order[MU_PROCESSES_MAX]; /* of at: [0, count) in use, then those that are free */
     uint32_t count;
     struct mu_table names;
@@ -50,27 +50,27 @@ struct mailbags {
  * Takes the memory for the index, at start-up.
  *
  * @param ups   the broker's reader of Ups; stays the caller's
- * @param once  what is for many goes out in circulars.  They have a line for each receiver, which
+ * @param once  what is for many goes out in multicasts.  They have a line for each receiver, which
  *              on loopback costs nothing, and on a network several packets where one was enough
  */
-MU_MUST_USE mu_result mailbags_open(struct mailbags *m, struct bus *bus,
-                                    const struct bus_reader *ups, bool once);
+MU_MUST_USE mu_result outlets_open(struct outlets *m, struct bus *bus, const struct bus_reader *ups,
+                                   bool once);
 
 /** @return the writer to a process, or to all (BUS_TO_ALL); NULL: there is none */
-const struct bus_writer *mailbags_writer(struct mailbags *m, const char *process);
+const struct bus_writer *outlets_writer(struct outlets *m, const char *process);
 
-/** @return whether all circulars that were written have arrived */
-bool mailbags_circulars_drained(const struct mailbags *m);
+/** @return whether all multicasts that were written have arrived */
+bool outlets_circulars_drained(const struct outlets *m);
 
 /** @return the bag of a process, or NULL: it has none */
-struct mailbag *mailbags_find(struct mailbags *m, const char *process);
+struct outlet *outlets_find(struct outlets *m, const char *process);
 
 /** @return when that process spoke that has been silent for the longest, 0: one never has, or there
  *          is none */
-uint64_t mailbags_spoke_ns(const struct mailbags *m);
+uint64_t outlets_spoke_ns(const struct outlets *m);
 
 /** Closes the bags of processes that are gone for good, and opens one for every new process. */
-void mailbags_follow(struct mailbags *m, const struct broker *b);
+void outlets_follow(struct outlets *m, const struct broker *b);
 
 /**
  * Tells the broker which processes have matched, or have not any more.
@@ -79,10 +79,9 @@ void mailbags_follow(struct mailbags *m, const struct broker *b);
  * @param all   false: only those that had not matched are looked at
  * @return whether any has not
  */
-bool mailbags_look(struct mailbags *m, struct broker *b, const char *mute, bool all,
-                   uint64_t now_ns);
+bool outlets_look(struct outlets *m, struct broker *b, const char *mute, bool all, uint64_t now_ns);
 
-/* --- beacons.c ------------------------------------------------------------------------------- */
+/* --- beacon_table.c -------------------------------------------------------------------------- */
 
 /* The brokers of the network as this one sees them, and whether its own name is its own.  Pure. */
 
@@ -92,7 +91,7 @@ struct beacon_other {
     bool there; /* not silent */
 };
 
-struct beacons {
+struct beacon_table {
     char name[MU_NAME_MAX + 1]; /* of this broker */
     char host[MU_FIELD_MAX + 1];
     uint64_t incarnation;
@@ -110,12 +109,12 @@ enum beacon_news {
 };
 
 /** Takes a heartbeat. */
-enum beacon_news beacons_hear(struct beacons *b, const muster_Beacon *beacon);
+enum beacon_news beacon_table_hear(struct beacon_table *b, const muster_Beacon *beacon);
 
 /** A broker is silent, or has left.  @return whether it was there */
-bool beacons_lose(struct beacons *b, const char *name);
+bool beacon_table_lose(struct beacon_table *b, const char *name);
 
-/* --- pulse.c --------------------------------------------------------------------------------- */
+/* --- heartbeat.c ----------------------------------------------------------------------------- */
 
 /*
  * When a broker says that it is there: every 300 ms, and every second while all of its processes
@@ -126,13 +125,13 @@ bool beacons_lose(struct beacons *b, const char *name);
  * takes every packet of the broker's for a sign of its life.
  */
 
-struct pulse {
+struct heartbeat {
     uint64_t told_ns;   /* when a Beacon went out last; 0: the next one is due */
     uint64_t looked_ns; /* when it was asked last whether one is due */
 };
 
-/** @return whether it is time to ask pulse_beats() */
-bool pulse_looks(const struct pulse *p, uint64_t now_ns);
+/** @return whether it is time to ask heartbeat_beats() */
+bool heartbeat_looks(const struct heartbeat *p, uint64_t now_ns);
 
 /**
  * Looks whether a Beacon is to go out, and notes that it does.
@@ -140,73 +139,73 @@ bool pulse_looks(const struct pulse *p, uint64_t now_ns);
  * @param spoke_ns  all processes have spoken at that time or later; 0: one never has, or there is
  *                  none
  */
-bool pulse_beats(struct pulse *p, uint64_t spoke_ns, uint64_t now_ns);
+bool heartbeat_beats(struct heartbeat *p, uint64_t spoke_ns, uint64_t now_ns);
 
-/* --- herald.c -------------------------------------------------------------------------------- */
+/* --- beacon.c -------------------------------------------------------------------------------- */
 
 /* The Beacon on the network: says that this broker is there, and hears of the others. */
 
-struct herald {
+struct beacon {
     struct bus *bus;
-    struct beacons beacons;
+    struct beacon_table beacons;
     struct bus_reader heard;
     struct bus_writer beacon;
-    struct pulse pulse;
+    struct heartbeat pulse;
     bool sure;   /* no other broker has our name */
     bool yields; /* another one has it: this one is to end */
 };
 
-MU_MUST_USE mu_result herald_open(struct herald *h, struct bus *bus,
+MU_MUST_USE mu_result beacon_open(struct beacon *h, struct bus *bus,
                                   const struct broker_options *broker);
 
 /** Hears the other brokers; sets yields, and says so, when one of them has our name. */
-void herald_hear(struct herald *h);
+void beacon_hear(struct beacon *h);
 
 /**
  * Says that the broker is there, when that is due by the machine's clock.
  *
  * @param bags  those who are to hear of it
  */
-void herald_tell(struct herald *h, struct broker *b, const struct mailbags *bags);
+void beacon_tell(struct beacon *h, struct broker *b, const struct outlets *bags);
 
 /** Nobody was heard that has our name: agents may come from now on. */
-void herald_be_sure(struct herald *h);
+void beacon_be_sure(struct beacon *h);
 
 /** Takes the Beacon back; a broker that yields leaves it to the other one. */
-void herald_close(struct herald *h);
+void beacon_close(struct beacon *h);
 
-/* --- peers.c --------------------------------------------------------------------------------- */
+/* --- links.c --------------------------------------------------------------------------------- */
 
 /* The other brokers on the network: what this one says to them, and hears from them. */
 
 /* Acknowledgements go into the partition of the broker that they are for. */
-struct peers_line {
+struct links_line {
     char name[MU_NAME_MAX + 1];
     struct bus_writer ups;
 };
 
-struct peers {
+struct links {
     struct bus *bus;
     struct bus_reader deliveries;
     struct bus_writer registration;
-    struct peers_line lines[MU_BROKERS_MAX];
+    struct links_line lines[MU_BROKERS_MAX];
     uint32_t count;
 };
 
 /** @param place  "broker.NAME" of this broker */
-MU_MUST_USE mu_result peers_open(struct peers *p, struct bus *bus, const char *place);
+MU_MUST_USE mu_result links_open(struct links *p, struct bus *bus, const char *place);
 
 /** Opens a line to each broker that is there, and closes the others. */
-void peers_follow(struct peers *p, const struct beacons *beacons, struct broker *b,
+void links_follow(struct links *p, const struct beacon_table *beacons, struct broker *b,
                   uint64_t now_ns);
 
 /** Takes what other brokers deliver. */
-void peers_take(struct peers *p, struct broker *b, uint64_t now_ns);
+void links_take(struct links *p, struct broker *b, uint64_t now_ns);
 
 /** Announces and acknowledges, after the commit.  @return whether the network took all */
-bool peers_tell(struct peers *p, struct broker *b);
+bool links_tell(struct links *p, struct broker *b);
 
-/* --- health.c -------------------------------------------------------------------------------- */
+/* --- telemetry.c ----------------------------------------------------------------------------- */
 
 /*
  * Tells any DDS tool how the broker is: the topics BrokerStatus and PartStatus.
@@ -218,22 +217,22 @@ bool peers_tell(struct peers *p, struct broker *b);
 #define HEALTH_NEWS_NS  100000000ull
 #define HEALTH_DRIFT_NS 1000000000ull
 
-struct health {
+struct telemetry {
     struct bus *bus;
     struct bus_writer status, parts;
     muster_BrokerStatus told; /* without what drifts */
     uint64_t told_ns;         /* when all was told, whether it was news or not */
     bool begun;
-    uint64_t values[COUNTERS_MAX]; /* that were told last, in the order of the table */
+    uint64_t values[METRICS_MAX]; /* that were told last, in the order of the table */
 };
 
-MU_MUST_USE mu_result health_open(struct health *h, struct bus *bus);
+MU_MUST_USE mu_result telemetry_open(struct telemetry *h, struct bus *bus);
 
 /** Tells what there is to tell; to be called every HEALTH_NEWS_NS of the machine's clock. */
-void health_tell(struct health *h, struct broker *b, uint64_t now_ns);
+void telemetry_tell(struct telemetry *h, struct broker *b, uint64_t now_ns);
 
 /** Tells everything for the last time, and waits until readers have it. */
-void health_close(struct health *h, struct broker *b);
+void telemetry_close(struct telemetry *h, struct broker *b);
 
 /* --- settings.c ------------------------------------------------------------------------------ */
 
@@ -332,11 +331,11 @@ bool disk_default_path(char *path, size_t size, int domain, const char *broker);
  *          that is explained on standard error: the file is damaged */
 MU_MUST_USE mu_result disk_load(struct disk *d, struct broker *b, uint64_t *refused);
 
-/* --- opening.c ------------------------------------------------------------------------------- */
+/* --- startup.c ------------------------------------------------------------------------------- */
 
 /* Opens the broker, its store and its files as the command line says. */
 
-struct opening {
+struct startup {
     struct broker *broker;
     struct disk *disk; /* NULL: without a store */
     struct files_audit audit;
@@ -344,6 +343,6 @@ struct opening {
 };
 
 /** @return MU_EXIT_DONE, or the exit code, explained */
-int opening_run(struct opening *o, const struct settings *s, const char *name);
+int startup_run(struct startup *o, const struct settings *s, const char *name);
 
 #endif

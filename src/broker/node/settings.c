@@ -42,7 +42,7 @@
      .environment = "MUSTER_DELIVERY_INTERVAL",                                                   \
      .help = "hand a process mail at most this often; 0: at once",                                \
      .target = &(s)->delivery_interval_ms,                                                        \
-     .max = COURIER_INTERVAL_MAX_MS},                                                             \
+     .max = DISPATCH_INTERVAL_MAX_MS},                                                            \
         {.name = "policy",                                                                        \
          .kind = MU_OPTION_STRING,                                                                \
          .unit = "FILE",                                                                          \
@@ -146,7 +146,7 @@ int settings_read(struct settings *s, const char **name, int argc, char **argv)
         return mu_exit_for(parsed);
     }
     if (s->counters) {
-        counters_print();
+        metrics_print();
         return MU_EXIT_DONE;
     }
     if (!box_policy_read(s->box_policy_word, &s->box_policy) || !store_check(s->store) ||

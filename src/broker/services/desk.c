@@ -13,11 +13,11 @@ void desk_take(struct broker *b, uint32_t own, struct mail *m)
     if (m->letter.layer == 0) {
         directive_take(b, own, m);
     } else if (asks_state) {
-        counters_answer(b, own, m);
+        metrics_answer(b, own, m);
     } else if (own == REGISTRY_BROKER) {
         desk_answer(b, m);
     } else {
-        query_refuse(b, own, m);
+        request_refuse(b, own, m);
     }
 }
 
@@ -29,11 +29,11 @@ static bool is_shown(const struct broker *b, const struct mail *question, uint32
            names_in_lockstep(b, agent);
 }
 
-static void query_lookup(struct broker *b, const struct mail *question)
+static void request_lookup(struct broker *b, const struct mail *question)
 {
-    query_name name;
+    request_name name;
     struct mu_text t;
-    if (!query_read_name(b, question, name)) {
+    if (!request_read_name(b, question, name)) {
         return;
     }
     uint32_t agent = registry_find(&b->registry, name);
@@ -47,8 +47,8 @@ static void query_lookup(struct broker *b, const struct mail *question)
     registry_line(&b->registry, agent, b->name, &m);
     answer_begin(b, &t, "member");
     mu_fields_add(&t, m.name);
-    mu_fields_add(&t, border_kind_word(m.kind));
-    mu_fields_add(&t, border_state_word(m.state));
+    mu_fields_add(&t, validate_kind_word(m.kind));
+    mu_fields_add(&t, validate_state_word(m.state));
     mu_fields_add(&t, m.broker);
     bool inside = names_in_lockstep(b, question->sender);
     mu_fields_add(&t, m.host);
@@ -56,40 +56,40 @@ static void query_lookup(struct broker *b, const struct mail *question)
     answer_send(b, question, "inform");
 }
 
-static void query_listing(struct broker *b, const struct mail *question)
+static void request_listing(struct broker *b, const struct mail *question)
 {
-    struct query_list list;
-    query_list_begin(b, &list, question, "members", "");
+    struct request_list list;
+    request_list_begin(b, &list, question, "members", "");
     for (uint32_t i = 0; i < b->registry.count; i++) {
         uint32_t agent = b->registry.order[i];
         if (is_shown(b, question, agent)) {
-            query_list_add(b, &list, b->registry.agents[agent].name);
+            request_list_add(b, &list, b->registry.agents[agent].name);
         }
     }
-    query_list_end(b, &list);
+    request_list_end(b, &list);
 }
 
-static void (*const answers[QUERY_VERBS])(struct broker *b, const struct mail *question) = {
-    [QUERY_LOOKUP] = query_lookup,
-    [QUERY_LISTING] = query_listing,
-    [QUERY_GROUPS] = query_groups,
-    [QUERY_MEMBERS] = query_members,
-    [QUERY_GROUP_CREATE] = query_group_create,
-    [QUERY_GROUP_JOIN] = query_group_join,
-    [QUERY_GROUP_LEAVE] = query_group_leave,
-    [QUERY_ADVERTISE] = query_advertise,
-    [QUERY_WITHDRAW] = query_withdraw,
-    [QUERY_FIND_SERVICE] = query_find_service,
-    [QUERY_SUBSCRIBE] = query_subscribe,
-    [QUERY_UNSUBSCRIBE] = query_unsubscribe,
+static void (*const answers[VERB_VERBS])(struct broker *b, const struct mail *question) = {
+    [VERB_LOOKUP] = request_lookup,
+    [VERB_LISTING] = request_listing,
+    [VERB_GROUPS] = request_groups,
+    [VERB_MEMBERS] = request_members,
+    [VERB_GROUP_CREATE] = request_group_create,
+    [VERB_GROUP_JOIN] = request_group_join,
+    [VERB_GROUP_LEAVE] = request_group_leave,
+    [VERB_ADVERTISE] = request_advertise,
+    [VERB_WITHDRAW] = request_withdraw,
+    [VERB_FIND_SERVICE] = request_find_service,
+    [VERB_SUBSCRIBE] = request_subscribe,
+    [VERB_UNSUBSCRIBE] = request_unsubscribe,
 };
 
 void desk_answer(struct broker *b, const struct mail *question)
 {
-    enum audience_verb verb = audience_verb(question);
-    if (verb < QUERY_VERBS) {
+    enum recipients_verb verb = recipients_verb(question);
+    if (verb < VERB_VERBS) {
         answers[verb](b, question);
     } else {
-        query_refuse(b, REGISTRY_BROKER, question);
+        request_refuse(b, REGISTRY_BROKER, question);
     }
 }

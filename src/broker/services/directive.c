@@ -19,24 +19,24 @@ static bool number_read(const char *text, double min, double max, double *out)
 static bool do_delivery_interval(struct broker *b, const char *value, struct mu_text *answer)
 {
     double ms;
-    if (!number_read(value, 0, COURIER_INTERVAL_MAX_MS, &ms)) {
+    if (!number_read(value, 0, DISPATCH_INTERVAL_MAX_MS, &ms)) {
         return false;
     }
-    courier_set_interval(b, (uint64_t)(ms * 1e6));
+    dispatch_set_interval(b, (uint64_t)(ms * 1e6));
     mu_text_format(answer, " %g", ms);
     return true;
 }
 
 /* A line for everything that the broker can be told. */
 static const struct directive {
-    enum counters_part part; /* whose it is; the broker takes all of them */
+    enum metrics_part part; /* whose it is; the broker takes all of them */
     const char *word;
     const char *takes;  /* its values, for people */
     const char *expect; /* of them */
     /* Carries it out and adds the values that hold now.  @return false: a wrong value */
     bool (*carry_out)(struct broker *b, const char *value, struct mu_text *answer);
 } directives[] = {
-    {PART_COURIER, "delivery-interval", "MS", "milliseconds, from 0 (at once) to 60000",
+    {PART_DELIVERY, "delivery-interval", "MS", "milliseconds, from 0 (at once) to 60000",
      do_delivery_interval},
 };
 

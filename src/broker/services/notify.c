@@ -57,8 +57,8 @@ void notify_review(struct broker *b, struct subscription *s, bool silently)
 static void subscribers_tell(struct broker *b, uint64_t since)
 {
     struct pages *p = &b->pages;
-    for (uint32_t line = changes_after(&p->services.changes, since); line != MU_NONE;
-         line = changes_next(&p->services.changes, line)) {
+    for (uint32_t line = changelog_after(&p->services.changes, since); line != MU_NONE;
+         line = changelog_next(&p->services.changes, line)) {
         for (uint32_t i = 0; i < p->subscriptions.count; i++) {
             subscriber_tell(b, subscriptions_at(&p->subscriptions, i), line, false);
         }
@@ -77,9 +77,9 @@ void notify_tell(struct broker *b)
     p->services_seen = services;
     p->groups_seen = groups;
     subscribers_tell(b, since);
-    for (uint32_t i = 0; i < b->places.top; i++) {
-        if (view_place_is_told(&b->places.at[i])) {
-            places_wake(&b->places, i);
+    for (uint32_t i = 0; i < b->processes.top; i++) {
+        if (view_place_is_told(&b->processes.at[i])) {
+            processes_wake(&b->processes, i);
         }
     }
 }
@@ -140,7 +140,7 @@ static char *unconst(const char *s)
 static bool membership_line(struct broker *b, uint32_t slot, struct journal_line *out)
 {
     const struct groups *g = &b->pages.groups;
-    if (changes_version(&g->changes, slot) == 0) {
+    if (changelog_version(&g->changes, slot) == 0) {
         return false;
     }
     muster_Membership m;
@@ -169,7 +169,7 @@ static bool membership_restore(struct broker *b, const struct journal_line *line
 static bool offer_line(struct broker *b, uint32_t slot, struct journal_line *out)
 {
     const struct services *s = &b->pages.services;
-    if (changes_version(&s->changes, slot) == 0) {
+    if (changelog_version(&s->changes, slot) == 0) {
         return false;
     }
     muster_Offer o;
@@ -194,7 +194,7 @@ static bool offer_restore(struct broker *b, const struct journal_line *line)
                       .stamp_ns = line->stamp_ns,
                       .origin = unconst(line->origin)};
     struct said said = view_said(b);
-    uint64_t mail_ns = runclock_mail_ns(&b->clock);
+    uint64_t mail_ns = clock_mail_ns(&b->clock);
     bool taken = services_merge(&b->pages.services, &o, &said, mail_ns) == MU_OK;
     notify_tell(b);
     return taken;
@@ -210,13 +210,14 @@ void notify_attach_journal(struct broker *b)
     journal_attach(b, JOURNAL_SERVICES, &services);
 }
 
-static void lines_mark(struct broker *b, enum journal_lines lines, struct changes *c,
+static void lines_mark(struct broker *b, enum journal_lines lines, struct changelog *c,
                        uint64_t since)
 {
-    for (uint32_t line = changes_gone(c); line != MU_NONE; line = changes_gone(c)) {
+    for (uint32_t line = changelog_gone(c); line != MU_NONE; line = changelog_gone(c)) {
         journal_line_changed(b, lines, line);
     }
-    for (uint32_t line = changes_after(c, since); line != MU_NONE; line = changes_next(c, line)) {
+    for (uint32_t line = changelog_after(c, since); line != MU_NONE;
+         line = changelog_next(c, line)) {
         journal_line_changed(b, lines, line);
     }
 }

@@ -15,7 +15,7 @@
 
 struct broker;
 
-/* --- counters.c ------------------------------------------------------------------------------ */
+/* --- metrics.c ------------------------------------------------------------------------------- */
 
 /*
  * The parts of the broker and what each counts: one table for the answer to `state`, for the topic
@@ -33,23 +33,23 @@ struct broker;
  */
 
 /* The broker's parts, by their index in the white pages; 0 there is the broker itself. */
-enum counters_part {
-    PART_REGISTRAR = 1,
-    PART_POSTMASTER,
-    PART_COURIER,
+enum metrics_part {
+    PART_NAMES = 1,
+    PART_MAIL,
+    PART_DELIVERY,
     PART_GROUPS,
     PART_SERVICES,
     PART_TRUST,
     PART_JOURNAL,
-    PART_LIAISON,
+    PART_FEDERATION,
     PARTS_END /* one more than the last */
 };
 
 /* Counters of all parts together. */
-enum { COUNTERS_MAX = 128 };
+enum { METRICS_MAX = 128 };
 
-struct counter {
-    enum counters_part part;
+struct metric {
+    enum metrics_part part;
     const char *name;   /* a CLIPS symbol */
     const char *counts; /* what, and in which unit, for people */
     bool drifts;        /* changes with time alone: no news in itself */
@@ -59,20 +59,20 @@ struct counter {
 };
 
 /** @return the word for a part, without "broker." */
-const char *counters_part_name(uint32_t part);
+const char *metrics_part_name(uint32_t part);
 
 /** @return the index-th counter; the table is in order of part; NULL past the last */
-const struct counter *counters_at(size_t index);
+const struct metric *metrics_at(size_t index);
 
-uint64_t counters_value(const struct broker *b, const struct counter *c);
+uint64_t metrics_value(const struct broker *b, const struct metric *c);
 
 /** Prints the table as Markdown to standard output. */
-void counters_print(void);
+void metrics_print(void);
 
 /** Answers a question for the state of the broker or of one of its parts. */
-void counters_answer(struct broker *b, uint32_t own, const struct mail *question);
+void metrics_answer(struct broker *b, uint32_t own, const struct mail *question);
 
-/* --- query.c --------------------------------------------------------------------------------- */
+/* --- request.c ------------------------------------------------------------------------------- */
 
 /*
  * Questions to the pages, and changes of them: mails to `broker` in layer 2, answered by mail.
@@ -101,32 +101,32 @@ void counters_answer(struct broker *b, uint32_t own, const struct mail *question
  */
 
 /** Answers that this is not understood. */
-void query_refuse(struct broker *b, uint32_t own, const struct mail *question);
+void request_refuse(struct broker *b, uint32_t own, const struct mail *question);
 
 /* --- what the kinds of questions share; an answer's content is put together in b->text -------- */
 
 /* Room for a field that is no name, too, so that it can be told. */
-typedef char query_name[MU_FIELD_MAX + 1];
+typedef char request_name[MU_FIELD_MAX + 1];
 
 /* An answer that may not fit one mail. */
-struct query_list {
+struct request_list {
     const struct mail *question;
     const char *word, *of; /* each mail begins so; of: "" for nothing */
     struct mu_text text;
 };
 
 /* Changes a line of groups or services in an agent's name.  @return why not, or NULL: done */
-typedef const char *query_change(struct broker *b, const char *name, const char *agent,
-                                 const struct said *said);
+typedef const char *request_change(struct broker *b, const char *name, const char *agent,
+                                   const struct said *said);
 
 /** Reads content that is one field.  @return false if it is not */
-bool query_field(const char *content, struct mu_text *out);
+bool request_field(const char *content, struct mu_text *out);
 
 /** Reads a question that is one field, into query_name.  @return false: answered, and counted */
-bool query_read_name(struct broker *b, const struct mail *question, query_name name);
+bool request_read_name(struct broker *b, const struct mail *question, request_name name);
 
 /** Reads the next field, if there is one, else "".  @return false: what is there is no field */
-bool query_field_optional(const char **content, char *to, size_t size);
+bool request_field_optional(const char **content, char *to, size_t size);
 
 /**
  * Says in whose name a change is made.
@@ -134,45 +134,45 @@ bool query_field_optional(const char **content, char *to, size_t size);
  * @param named  whom the change names; "": nobody
  * @return the agent's name; NULL: not in that one's, and the sender has been answered
  */
-const char *query_actor(struct broker *b, const struct mail *question, const char *named);
+const char *request_actor(struct broker *b, const struct mail *question, const char *named);
 
 /** Answers that the question could not be read, and counts it. */
-void query_not_understood(struct broker *b, const struct mail *question);
+void request_not_understood(struct broker *b, const struct mail *question);
 
 /** Answers a change; refusal: NULL when it is done. */
-void query_changed(struct broker *b, const struct mail *question, const char *refusal,
-                   const char *name);
+void request_changed(struct broker *b, const struct mail *question, const char *refusal,
+                     const char *name);
 
 /** Makes a change that NAME or NAME AGENT asks for, and answers it. */
-void query_make_change(struct broker *b, const struct mail *question, query_change *change);
+void request_make_change(struct broker *b, const struct mail *question, request_change *change);
 
-void query_list_begin(struct broker *b, struct query_list *l, const struct mail *question,
-                      const char *word, const char *of);
+void request_list_begin(struct broker *b, struct request_list *l, const struct mail *question,
+                        const char *word, const char *of);
 
 /** Sends what there is if it has no room for so many bytes more, and begins anew. */
-void query_list_room(struct broker *b, struct query_list *l, size_t bytes);
+void request_list_room(struct broker *b, struct request_list *l, size_t bytes);
 
 /** Adds a name to a list. */
-void query_list_add(struct broker *b, struct query_list *l, const char *name);
+void request_list_add(struct broker *b, struct request_list *l, const char *name);
 
 /** Sends what is left of a list, or that there is nothing. */
-void query_list_end(struct broker *b, const struct query_list *l);
+void request_list_end(struct broker *b, const struct request_list *l);
 
-/* --- query_groups.c -------------------------------------------------------------------------- */
+/* --- request_groups.c ------------------------------------------------------------------------ */
 
-void query_groups(struct broker *b, const struct mail *question);
-void query_members(struct broker *b, const struct mail *question);
-void query_group_create(struct broker *b, const struct mail *question);
-void query_group_join(struct broker *b, const struct mail *question);
-void query_group_leave(struct broker *b, const struct mail *question);
+void request_groups(struct broker *b, const struct mail *question);
+void request_members(struct broker *b, const struct mail *question);
+void request_group_create(struct broker *b, const struct mail *question);
+void request_group_join(struct broker *b, const struct mail *question);
+void request_group_leave(struct broker *b, const struct mail *question);
 
-/* --- query_services.c ------------------------------------------------------------------------ */
+/* --- request_services.c ---------------------------------------------------------------------- */
 
-void query_advertise(struct broker *b, const struct mail *question);
-void query_withdraw(struct broker *b, const struct mail *question);
-void query_find_service(struct broker *b, const struct mail *question);
-void query_subscribe(struct broker *b, const struct mail *question);
-void query_unsubscribe(struct broker *b, const struct mail *question);
+void request_advertise(struct broker *b, const struct mail *question);
+void request_withdraw(struct broker *b, const struct mail *question);
+void request_find_service(struct broker *b, const struct mail *question);
+void request_subscribe(struct broker *b, const struct mail *question);
+void request_unsubscribe(struct broker *b, const struct mail *question);
 
 /* --- directive.c ----------------------------------------------------------------------------- */
 
@@ -225,7 +225,7 @@ void notify_attach_journal(struct broker *b);
 /** Lines that have changed since these versions are to be on disk. */
 void notify_mark_journal(struct broker *b, uint64_t groups_since, uint64_t services_since);
 
-/* --- admission.c ----------------------------------------------------------------------------- */
+/* --- admit.c --------------------------------------------------------------------------------- */
 
 /* A mail comes in from the wire: taken once, whole, and only if there is room for it. */
 
@@ -234,31 +234,31 @@ void notify_mark_journal(struct broker *b, uint64_t groups_since, uint64_t servi
  *
  * @return the mail, to be routed or dropped; or NULL: refused, counted, and the sender told
  */
-struct mail *admission_take(struct broker *b, uint32_t sender, const muster_Mail *letter);
+struct mail *admit_mail(struct broker *b, uint32_t sender, const muster_Mail *letter);
 
-/* --- router.c -------------------------------------------------------------------------------- */
+/* --- route.c --------------------------------------------------------------------------------- */
 
 /* A mail's way: routed to the boxes of its receivers, acknowledged by each of them, or expired. */
 
 /** Puts an admitted mail on its way.  @return false if its sender may not send such a mail */
-bool router_route(struct broker *b, struct mail *m);
+bool route_mail(struct broker *b, struct mail *m);
 
 /**
  * Goes on with a mail that need not wait for an address, or no longer.
  *
  * @param names  fields of content: whom SCHEME:REST stands for; NULL: nobody can tell
- * @return as router_route
+ * @return as route_mail
  */
-bool router_go_on(struct broker *b, struct mail *m, const char *names);
+bool route_go_on(struct broker *b, struct mail *m, const char *names);
 
 /** Routes the mails of a sender that wait for a resolver's answer no longer. */
-void router_pump(struct broker *b, uint32_t sender);
+void route_pump(struct broker *b, uint32_t sender);
 
 /** Ends all waits for answers that are overdue, or all waits, and routes the mails that waited. */
-void router_resolve_expire(struct broker *b, uint64_t mail_ns);
-void router_resolve_give_up(struct broker *b);
+void route_resolve_expire(struct broker *b, uint64_t mail_ns);
+void route_resolve_give_up(struct broker *b);
 
 /** @return whether the mail is for an agent in the lock step, or changes what is said of one */
-bool router_meets_lockstep(struct broker *b, const struct mail *m);
+bool route_meets_lockstep(struct broker *b, const struct mail *m);
 
 #endif

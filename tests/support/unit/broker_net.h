@@ -3,8 +3,8 @@
  * @file broker_net.h
  * Several brokers and their agents in one process: a network that passes samples on, drops them, or
  * is cut between two brokers.  An agent's process here does what the runtime does: it drops numbers
- * that it has had, and mails that may be a repetition and that it has taken before; of circulars it
- * takes what is for the seat that it knows.
+ * that it has had, and mails that may be a repetition and that it has taken before; of multicasts
+ * it takes what is for the seat that it knows.
  */
 #ifndef MUSTER_TESTS_BROKER_NET_H
 #define MUSTER_TESTS_BROKER_NET_H
@@ -36,7 +36,7 @@ struct net_agent {
     int at; /* its broker; -1: it is not there */
     uint64_t since_wall_ns, incarnation, seq, last_number;
     bool in_order, no_broadcasts, newcomer;
-    bool hears;    /* circulars of its broker */
+    bool hears;    /* multicasts of its broker */
     bool accepted; /* by it */
     uint32_t seat; /* there; 0: it has heard of none */
     uint64_t serial;
@@ -52,7 +52,7 @@ static struct net {
     bool deaf[NET_BROKERS];  /* what others acknowledge to it is lost */
     bool twice[NET_BROKERS]; /* what it delivers to others arrives twice */
     bool mute[NET_BROKERS];  /* others do not hear it, and it does not know */
-    bool faint[NET_BROKERS]; /* its circulars are lost */
+    bool faint[NET_BROKERS]; /* its multicasts are lost */
     uint64_t now_ns;
     struct net_agent agents[NET_AGENTS];
     uint32_t agents_count;
@@ -180,7 +180,7 @@ static inline void net_enter(struct net_agent *a, int broker)
     broker_matched(net.b[broker], a->process, true, net.now_ns);
 }
 
-/* It reads its broker's circulars from now on. */
+/* It reads its broker's multicasts from now on. */
 static inline void net_hear(struct net_agent *a)
 {
     a->hears = true;
@@ -425,8 +425,9 @@ static inline void net_match(int i)
     char place[MU_PROCESS_MAX + 1];
     for (int j = 0; j < NET_BROKERS; j++) {
         snprintf(place, sizeof place, "broker.%s", net_names[j]);
-        uint32_t at = places_find(&net.b[i]->places, place);
-        if (at != MU_NONE && net.link[i][j] && !net.mute[j] && !net.b[i]->places.at[at].matched) {
+        uint32_t at = processes_find(&net.b[i]->processes, place);
+        if (at != MU_NONE && net.link[i][j] && !net.mute[j] &&
+            !net.b[i]->processes.at[at].matched) {
             broker_matched(net.b[i], place, true, net.now_ns);
         }
     }

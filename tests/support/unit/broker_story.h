@@ -8,16 +8,16 @@
  * the text has, in this order and separated by "; ":
  *
  *     PROCESS@STEP                 in lock step only
- *     NAME #NUMBER SRC/SEQ CONTENT a parcel
+ *     NAME #NUMBER SRC/SEQ CONTENT a delivery item
  *     NAME FIRST-LAST OUTCOME      receipts
  *     NAME welcome SEQ             an accepted registration, and the last mail of that name
  *     NAME: REASON                 a refused one
  *     outside SRC/SEQ              to the simulator
  *     roll call
  *     PROCESS: NAME WORD EPOCH [REASON] [TEXT]   to a process, of an agent on its way
- *     PROCESS: ASKER/NUMBER NAME WORD TEXT       to a process, of a glance at an agent
+ *     PROCESS: ASKER/NUMBER NAME WORD TEXT       to a process, of a probe at an agent
  *
- * And of a circular, with the boxes by name:
+ * And of a multicast, with the boxes by name:
  *
  *     all: NAME #NUMBER, NAME #NUMBER | SRC/SEQ CONTENT, SRC/SEQ CONTENT
  */
@@ -201,7 +201,7 @@ static inline void story_serial(struct story_seat *seat, uint64_t serial)
     seat->serial = serial;
 }
 
-/* A Delivery tells its process the seat; a glance counts for nothing. */
+/* A Delivery tells its process the seat; a probe counts for nothing. */
 static inline void story_seat(const muster_Delivery *d)
 {
     if (story.seats_of != story.b) {
@@ -224,7 +224,7 @@ static inline void story_seat(const muster_Delivery *d)
     }
 }
 
-/* The boxes of a circular are in order of seats, and those of one seat have one serial. */
+/* The boxes of a multicast are in order of seats, and those of one seat have one serial. */
 static inline void story_boxes(const muster_Delivery *d, struct mu_text *line)
 {
     uint32_t count = d->seats._length;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file circular_story.h
- * A broker_story.h with a crowd in it that hears circulars: red speaks to a, b, c and so on, each
+ * A broker_story.h with a crowd in it that hears multicasts: red speaks to a, b, c and so on, each
  * in a process of his own.
  */
 #ifndef MUSTER_TESTS_CIRCULAR_STORY_H
@@ -26,11 +26,11 @@ static inline const char *process_of(const char *name)
     return process;
 }
 
-static inline struct place *place_at(const char *process)
+static inline struct process *place_at(const char *process)
 {
-    uint32_t place = places_find(&story.b->places, process);
+    uint32_t place = processes_find(&story.b->processes, process);
     CU_ASSERT_NOT_EQUAL_FATAL(place, MU_NONE);
-    return &story.b->places.at[place];
+    return &story.b->processes.at[place];
 }
 
 static inline void say_as(muster_Mail m)
@@ -74,7 +74,8 @@ static inline void crowd_join(uint32_t count)
     (void)story_collect();
 }
 
-/* So many agents, each in a process of its own that hears circulars; red is one more, who does not.
+/* So many agents, each in a process of its own that hears multicasts; red is one more, who does
+ * not.
  */
 static inline void crowd_of(uint32_t count)
 {
@@ -88,7 +89,7 @@ static inline void all_is_over(void)
 {
     CU_ASSERT_EQUAL(story_status().waiting, 0);
     CU_ASSERT_EQUAL(story_status().stored, 0);
-    CU_ASSERT_EQUAL(story.b->circulars.count, 0);
+    CU_ASSERT_EQUAL(story.b->multicast.count, 0);
     CU_ASSERT_EQUAL(story.b->mailbox.posts_live, 0);
     CU_ASSERT_EQUAL(story.gaps, 0);
 }

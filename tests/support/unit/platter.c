@@ -90,7 +90,7 @@ bool platter_write(struct platter *p, const struct journal_entry *e)
     case JOURNAL_LINE: return line_write(p, e);
     case JOURNAL_RESET: memset(p->lines[e->lines], 0, sizeof p->lines[0]); return true;
     case JOURNAL_CLOCK: p->run_wall_ns = e->run_wall_ns; return true;
-    case JOURNAL_CAPSULE: break; /* nobody moves in these histories */
+    case JOURNAL_SNAPSHOT: break; /* nobody moves in these histories */
     }
     return false;
 }

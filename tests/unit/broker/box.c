@@ -314,8 +314,8 @@ static void test_answers_are_paid_for_by_who_asks(void)
     CU_ASSERT_EQUAL(story_status().waiting, 20);
     CU_ASSERT_EQUAL(story_status().over_share, 10);
     uint32_t red = registry_find(&story.b->registry, "red");
-    CU_ASSERT_EQUAL(story.b->shares.senders[SHARE_OUTSIDE][red].mails, 20);
-    CU_ASSERT_EQUAL(story.b->shares.senders[SHARE_OUTSIDE][REGISTRY_BROKER].mails, 0);
+    CU_ASSERT_EQUAL(story.b->quotas.senders[QUOTA_OUTSIDE][red].mails, 20);
+    CU_ASSERT_EQUAL(story.b->quotas.senders[QUOTA_OUTSIDE][REGISTRY_BROKER].mails, 0);
 }
 
 /* One record for all receivers, one answer: the worst that happened to any. */
@@ -330,7 +330,7 @@ static void test_receivers_that_differ(void)
     m.ttl_ns = 50 * MS;
     story_mail(m);
     EXPECT("red #1 red/1 one; red 1-1 stored");
-    CU_ASSERT_EQUAL(story.b->store.mails, 1);
+    CU_ASSERT_EQUAL(story.b->pool.mails, 1);
     story_ack("red", 1);
     EXPECT("");
     story_send("operator", ++seqs['o' - 'a'], "blue,green", "two"); /* room in green's box alone */
@@ -341,13 +341,13 @@ static void test_receivers_that_differ(void)
     CU_ASSERT_EQUAL(story_status().dropped, 1);
     CU_ASSERT_EQUAL(story_status().delivered, 1);
     CU_ASSERT_EQUAL(story_status().waiting, 1);
-    CU_ASSERT_EQUAL(story.b->store.mails, 1);
+    CU_ASSERT_EQUAL(story.b->pool.mails, 1);
     story_state("green", muster_STATE_RUNNING);
     story_state("blue", muster_STATE_RUNNING);
     EXPECT("green #1 operator/1 two");
     story_ack("green", 1);
     EXPECT(""); /* it was told the worst already */
-    CU_ASSERT_EQUAL(story.b->store.mails, 0);
+    CU_ASSERT_EQUAL(story.b->pool.mails, 0);
 }
 
 static void test_broadcasts_have_priorities(void)
@@ -385,7 +385,7 @@ static void test_every_wait_ends(void)
     story_tick(50 * MS);
     EXPECT("red 1-2 expired");
     CU_ASSERT_EQUAL(story_status().expired, 4);
-    CU_ASSERT_EQUAL(story.b->store.mails, 0);
+    CU_ASSERT_EQUAL(story.b->pool.mails, 0);
     CU_ASSERT_EQUAL(story.b->due.count, 0);
     CU_ASSERT_EQUAL(story.b->mailbox.shares.live, 0);
 }
@@ -453,7 +453,7 @@ static void test_an_answer_that_drops_its_question(void)
     CU_ASSERT_PTR_NULL(strstr(heard, "alice/1"));
     story_ack("alice", 1);
     CU_ASSERT_EQUAL(story_status().waiting, 0);
-    CU_ASSERT_EQUAL(story.b->store.mails, 0);
+    CU_ASSERT_EQUAL(story.b->pool.mails, 0);
 }
 
 /* Red presses, and whatever it is told comes later for that; blue waits no longer than it has to.

@@ -85,8 +85,8 @@ static void test_ten_thousand_agents(void)
     CU_ASSERT_EQUAL(story_status().agents, CROWD);
     CU_ASSERT_EQUAL(got.welcomes, CROWD);
     CU_ASSERT_EQUAL(got.members, CROWD + MU_BROKER_LINES);
-    CU_ASSERT_EQUAL(got.welcomes_most, COURIER_AGENTS);
-    CU_ASSERT_EQUAL(got.members_most, COURIER_MEMBERS);
+    CU_ASSERT_EQUAL(got.welcomes_most, DISPATCH_AGENTS);
+    CU_ASSERT_EQUAL(got.members_most, DISPATCH_MEMBERS);
     CU_ASSERT_EQUAL(got.roll_calls, 0);
     crowd_register("p", CROWD); /* nothing new */
     collect();
@@ -241,7 +241,7 @@ static void test_limit_refusals(void)
         part_say(&r);
     }
     collect();
-    CU_ASSERT_EQUAL(got.refusals, PLACES_REFUSALS);
+    CU_ASSERT_EQUAL(got.refusals, PROCESSES_REFUSALS);
     CU_ASSERT_EQUAL(got.roll_calls, 1); /* it hears of the others when it has said them again */
 }
 
@@ -250,10 +250,10 @@ static void test_limit_parts(void)
     story_begin();
     story_match("p");
     (void)story_collect();
-    muster_Registration r = part_of("p", PLACES_PARTS - 1, MU_PART_AGENTS);
+    muster_Registration r = part_of("p", PROCESSES_PARTS - 1, MU_PART_AGENTS);
     part_say(&r);
     CU_ASSERT_EQUAL(story_status().agents, MU_PART_AGENTS);
-    r.part = PLACES_PARTS;
+    r.part = PROCESSES_PARTS;
     part_say(&r);
     CU_ASSERT_EQUAL(story_status().malformed, 1);
     CU_ASSERT_EQUAL(story_status().agents, MU_PART_AGENTS);
@@ -289,7 +289,8 @@ static void test_agents_that_live_elsewhere(void)
     const struct presence *is =
         &story.b->registry.agents[registry_find(&story.b->registry, "a0")].is;
     CU_ASSERT_EQUAL(is->hops, 2);
-    CU_ASSERT_TRUE(story.b->places.at[places_find(&story.b->places, "broker.gamma")].is_broker);
+    CU_ASSERT_TRUE(
+        story.b->processes.at[processes_find(&story.b->processes, "broker.gamma")].is_broker);
     entries[0].home = words("no name");
     part_say(&r);
     CU_ASSERT_EQUAL(story_status().malformed, 1);
@@ -331,7 +332,7 @@ static void test_a_crowd_is_inherited(void)
     CU_ASSERT_STRING_EQUAL(story_member("a77"), "a77 running new");
     crowd_register("old", 100);
     broker_gone(story.b, "old", 0, false, 0);
-    CU_ASSERT_EQUAL(story.b->places.at[places_find(&story.b->places, "old")].claims,
+    CU_ASSERT_EQUAL(story.b->processes.at[processes_find(&story.b->processes, "old")].claims,
                     100 - MU_PART_AGENTS);
     story_gone("old");
     CU_ASSERT_EQUAL(broker_deadline_ns(story.b), UINT64_MAX);
@@ -341,7 +342,7 @@ static void test_a_crowd_is_inherited(void)
  * has mail. */
 static void test_mail_behind_many_that_have_none(void)
 {
-    enum { MANY = COURIER_AGENTS + 100 };
+    enum { MANY = DISPATCH_AGENTS + 100 };
     static muster_Ack acks[MANY];
     static char box[MANY][MU_NAME_MAX + 1];
     const char *process;

@@ -134,12 +134,12 @@ static void epoch_say(const char *name, uint64_t epoch)
     broker_registration(story.b, &r, story.now_ns);
 }
 
-static const struct depot_capsule *capsule_kept(const char *name)
+static const struct snapshot *capsule_kept(const char *name)
 {
     uint32_t agent = registry_find(&story.b->registry, name);
     for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
-        const struct depot_capsule *c = &story.b->depot.capsules[i];
-        if (c->phase != DEPOT_FREE && c->agent == agent) {
+        const struct snapshot *c = &story.b->snapshots.snapshots[i];
+        if (c->phase != SNAPSHOT_FREE && c->agent == agent) {
             return c;
         }
     }
@@ -164,7 +164,7 @@ static void test_capsules_come_back(void)
     disk_close(disk);
 
     CU_ASSERT_EQUAL(life_begin("capsules.db", WALL + 1), 0);
-    const struct depot_capsule *c = capsule_kept("red");
+    const struct snapshot *c = capsule_kept("red");
     CU_ASSERT_PTR_NOT_NULL_FATAL(c);
     CU_ASSERT_EQUAL(c->epoch, 4);
     CU_ASSERT_STRING_EQUAL(c->text, "it's \"red\" \xc3\xa4\nonce more");
@@ -176,7 +176,7 @@ static void test_capsules_come_back(void)
     disk_close(disk);
 
     CU_ASSERT_EQUAL(life_begin("capsules.db", WALL + 2), 0);
-    CU_ASSERT_EQUAL(story.b->depot.count, 0);
+    CU_ASSERT_EQUAL(story.b->snapshots.count, 0);
     disk_close(disk);
 }
 

@@ -279,14 +279,14 @@ static void test_a_file_with_too_much_mail(void)
     while (taken < 2 * MU_MAILS_MAX && restore(taken + 1, "green")) {
         taken++;
     }
-    CU_ASSERT_EQUAL(taken, SHARE_MAILS_MAX);
-    CU_ASSERT_EQUAL(story.b->expiry.count, SHARE_MAILS_MAX);
-    CU_ASSERT_EQUAL(story.b->journal.rows, SHARE_MAILS_MAX + 1); /* which stays there */
-    CU_ASSERT_EQUAL(story_status().waiting, SHARE_MAILS_MAX);
+    CU_ASSERT_EQUAL(taken, QUOTA_MAILS_MAX);
+    CU_ASSERT_EQUAL(story.b->expiry.count, QUOTA_MAILS_MAX);
+    CU_ASSERT_EQUAL(story.b->journal.rows, QUOTA_MAILS_MAX + 1); /* which stays there */
+    CU_ASSERT_EQUAL(story_status().waiting, QUOTA_MAILS_MAX);
     story_tick(3600 * SECOND);
     CU_ASSERT_EQUAL(story_status().waiting, 0);
-    CU_ASSERT_EQUAL(story.b->shares.all[SHARE_OUTSIDE].mails, 0);
-    CU_ASSERT_EQUAL(story.b->shares.all[SHARE_LOCKSTEP].mails, 0);
+    CU_ASSERT_EQUAL(story.b->quotas.all[QUOTA_OUTSIDE].mails, 0);
+    CU_ASSERT_EQUAL(story.b->quotas.all[QUOTA_LOCKSTEP].mails, 0);
 }
 
 static void test_a_file_with_mail_for_nobody(void)
@@ -295,7 +295,7 @@ static void test_a_file_with_mail_for_nobody(void)
     CU_ASSERT_FALSE(restore(1, "nobody"));
     CU_ASSERT_FALSE(restore(2, ""));
     CU_ASSERT_EQUAL(story_status().stored, 0);
-    CU_ASSERT_EQUAL(story.b->shares.all[SHARE_OUTSIDE].mails, 0);
+    CU_ASSERT_EQUAL(story.b->quotas.all[QUOTA_OUTSIDE].mails, 0);
 }
 
 static void test_a_time_to_live_beyond_all_time(void)
@@ -354,11 +354,11 @@ static void test_a_lock_step_finds_the_store_full(void)
 }
 
 /* More directives are on disk than a window holds, the disk fails, and ordinary mail goes out in
- * intervals: the courier has nothing that may go, and is done. */
+ * intervals: the dispatcher has nothing that may go, and is done. */
 static void test_directives_behind_the_window_with_an_interval(void)
 {
     team();
-    courier_set_interval(story.b, 100 * MS);
+    dispatch_set_interval(story.b, 100 * MS);
     story_join("operator");
     for (uint64_t i = 1; i <= MU_WINDOW_MAX + 20; i++) {
         muster_Mail m = directive("operator", i, "green", "x");

@@ -243,25 +243,25 @@ static void test_limit_groups(void)
 
 static void test_changes_come_in_their_order(void)
 {
-    static struct changes c;
-    changes_init(&c, 5);
-    CU_ASSERT_EQUAL(changes_after(&c, 0), MU_NONE);
+    static struct changelog c;
+    changelog_init(&c, 5);
+    CU_ASSERT_EQUAL(changelog_after(&c, 0), MU_NONE);
     static const uint32_t touched[] = {3, 1, 4, 1, 3};
     for (int i = 0; i < 5; i++) {
-        changes_touch(&c, touched[i]);
+        changelog_touch(&c, touched[i]);
     }
-    CU_ASSERT_EQUAL(changes_after(&c, 0), 4);
-    CU_ASSERT_EQUAL(changes_next(&c, 4), 1);
-    CU_ASSERT_EQUAL(changes_next(&c, 1), 3);
-    CU_ASSERT_EQUAL(changes_next(&c, 3), MU_NONE);
-    CU_ASSERT_EQUAL(changes_after(&c, 3), 1);
-    CU_ASSERT_EQUAL(changes_after(&c, 5), MU_NONE);
-    changes_remove(&c, 1);
-    changes_remove(&c, 1);
-    CU_ASSERT_EQUAL(changes_next(&c, 4), 3);
-    changes_remove(&c, 4);
-    changes_remove(&c, 3);
-    CU_ASSERT_EQUAL(changes_after(&c, 0), MU_NONE);
+    CU_ASSERT_EQUAL(changelog_after(&c, 0), 4);
+    CU_ASSERT_EQUAL(changelog_next(&c, 4), 1);
+    CU_ASSERT_EQUAL(changelog_next(&c, 1), 3);
+    CU_ASSERT_EQUAL(changelog_next(&c, 3), MU_NONE);
+    CU_ASSERT_EQUAL(changelog_after(&c, 3), 1);
+    CU_ASSERT_EQUAL(changelog_after(&c, 5), MU_NONE);
+    changelog_remove(&c, 1);
+    changelog_remove(&c, 1);
+    CU_ASSERT_EQUAL(changelog_next(&c, 4), 3);
+    changelog_remove(&c, 4);
+    changelog_remove(&c, 3);
+    CU_ASSERT_EQUAL(changelog_after(&c, 0), MU_NONE);
 }
 
 /* --- lock step -------------------------------------------------------------------------------- */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Who may be named in a circular, and when one is worth waking those whom it does not name. */
+/* Who may be named in a multicast, and when one is worth waking those whom it does not name. */
 #include "broker_story.h"
 
 enum { CROWD = 6 };
@@ -8,7 +8,7 @@ static const char *const crew[CROWD] = {"a", "b", "c", "d", "e", "f"};
 
 static uint64_t seq;
 
-/* red says something to all.  @return how many boxes the circulars have that go out then */
+/* red says something to all.  @return how many boxes the multicasts have that go out then */
 static uint32_t boxes_told(void)
 {
     const char *process;
@@ -30,7 +30,7 @@ static void acknowledge_all(uint64_t number)
     (void)story_collect();
 }
 
-/* Each lives in a process of its own, which hears circulars, and has acknowledged one mail. */
+/* Each lives in a process of its own, which hears multicasts, and has acknowledged one mail. */
 static void crowd_begin(void)
 {
     char process[MU_PROCESS_MAX + 1];
@@ -47,7 +47,7 @@ static void crowd_begin(void)
     acknowledge_all(1);
 }
 
-/* Until it has taken a mail it takes any number for the next: what overtakes a circular would take
+/* Until it has taken a mail it takes any number for the next: what overtakes a multicast would take
  * its place. */
 static void test_another_agent_of_a_process_has_its_first_mail_alone(void)
 {

@@ -108,7 +108,7 @@ static void test_limit_mails(void)
         m.layer = 0;
         story_mail(m);
     }
-    CU_ASSERT_EQUAL(story.b->store.mails, MU_MAILS_MAX);
+    CU_ASSERT_EQUAL(story.b->pool.mails, MU_MAILS_MAX);
     CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), "operator 1025-1025 box-full"));
 }
 
@@ -135,12 +135,12 @@ static void test_limit_bytes_come_back(void)
                 story_hear(&up);
             } while (mailbox_box(&story.b->mailbox, agent)->use.mails > 0);
         }
-        CU_ASSERT_EQUAL(story.b->store.mails, 0);
+        CU_ASSERT_EQUAL(story.b->pool.mails, 0);
         CU_ASSERT_EQUAL(story.b->mailbox.posts_live, 0);
         CU_ASSERT_EQUAL(story.b->mailbox.shares.live, 0);
-        CU_ASSERT_EQUAL(story.b->shares.all[SHARE_OUTSIDE].bytes, 0);
+        CU_ASSERT_EQUAL(story.b->quotas.all[QUOTA_OUTSIDE].bytes, 0);
     }
-    uint64_t most = (MU_MAIL_BYTES_MAX - MU_MAIL_BYTES_MAX / 64) / STORE_RECORD_MAX;
+    uint64_t most = (MU_MAIL_BYTES_MAX - MU_MAIL_BYTES_MAX / 64) / POOL_RECORD_MAX;
     CU_ASSERT_EQUAL(fit[0], most);
     CU_ASSERT_EQUAL(fit[2], most);
     CU_ASSERT_TRUE(fit[1] > 8 * most);
@@ -176,7 +176,7 @@ static void test_limit_posts(void)
     CU_ASSERT_EQUAL(s.waiting, sent);
     CU_ASSERT_TRUE(s.waiting <= ORDINARY && s.waiting > ORDINARY - AGENTS - 1);
     CU_ASSERT_EQUAL(s.sent, s.waiting + s.box_full + s.over_share);
-    CU_ASSERT_EQUAL(story.b->shares.all[SHARE_OUTSIDE].posts, s.waiting);
+    CU_ASSERT_EQUAL(story.b->quotas.all[QUOTA_OUTSIDE].posts, s.waiting);
 }
 
 static void test_limit_receipts_of_one_sender(void)

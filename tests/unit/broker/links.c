@@ -2,7 +2,7 @@
 /*
  * Random histories of three brokers whose links are cut and lose what crosses them, while agents
  * move, against what docs/broker.md promises as long as the brokers live: each mail arrives, once,
- * and nobody is told `delivered` before.  Some agents hear circulars, from some time on.
+ * and nobody is told `delivered` before.  Some agents hear multicasts, from some time on.
  *
  *     MUSTER_SEED=N       that history alone; MUSTER_TELL=1 tells it while it goes on
  *     MUSTER_SECONDS=N    so long, with other seeds than by default
@@ -244,7 +244,7 @@ static void grow_quiet(void)
         }
     }
     for (int i = 0; i < NET_BROKERS; i++) {
-        if (net.b[i]->mailbox.posts_live > 0 || net.b[i]->circulars.count > 0) {
+        if (net.b[i]->mailbox.posts_live > 0 || net.b[i]->multicast.count > 0) {
             fail("is the last, and some mail stays", letters_count - 1);
         }
     }

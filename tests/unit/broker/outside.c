@@ -117,21 +117,21 @@ static void test_a_recording_ends_with_its_run(void)
     (void)story_collect();
     roster_say(false, 1, "");
     CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), "operator 1-1 dropped"));
-    CU_ASSERT_EQUAL(story.b->store.mails, 0);
+    CU_ASSERT_EQUAL(story.b->pool.mails, 0);
     CU_ASSERT_EQUAL(story.b->replays.count, 0);
 }
 
 static void test_limit_a_recording(void)
 {
     run_begin();
-    for (uint64_t i = 1; i <= SHARE_MAILS_MAX; i++) {
+    for (uint64_t i = 1; i <= QUOTA_MAILS_MAX; i++) {
         replay(i, (int64_t)i * 1000000000);
         (void)story_collect();
     }
-    replay(SHARE_MAILS_MAX + 1, 200 * MS);
+    replay(QUOTA_MAILS_MAX + 1, 200 * MS);
     EXPECT("operator 98305-98305 box-full");
     roster_say(false, 1, "");
-    CU_ASSERT_EQUAL(story.b->store.mails, 0);
+    CU_ASSERT_EQUAL(story.b->pool.mails, 0);
 }
 
 static void test_mail_follows_who_leaves_the_lock_step(void)

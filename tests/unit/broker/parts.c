@@ -17,7 +17,7 @@ static void team(uint64_t interval_ns)
     story_join("red");
     story_join("green");
     story_join("operator");
-    story_tick(1000 * MS); /* the courier has slept enough */
+    story_tick(1000 * MS); /* the dispatcher has slept enough */
     (void)story_collect();
     story_tick(1000 * MS);
 }
@@ -121,17 +121,17 @@ static void test_a_part_answers_for_its_state(void)
 
 static void test_every_counter_is_in_one_part_once(void)
 {
-    const struct counter *c, *d;
-    for (size_t i = 0; (c = counters_at(i)); i++) {
+    const struct metric *c, *d;
+    for (size_t i = 0; (c = metrics_at(i)); i++) {
         CU_ASSERT_TRUE(c->part >= 1 && c->part < PARTS_END);
         CU_ASSERT_TRUE(c->read || c->size == 4 || c->size == 8);
-        CU_ASSERT_TRUE(i == 0 || counters_at(i - 1)->part <= c->part);
+        CU_ASSERT_TRUE(i == 0 || metrics_at(i - 1)->part <= c->part);
         for (size_t k = 0; k < i; k++) {
-            d = counters_at(k);
+            d = metrics_at(k);
             CU_ASSERT_FALSE(d->part == c->part && strcmp(d->name, c->name) == 0);
         }
     }
-    CU_ASSERT_PTR_NULL(counters_part_name(PARTS_END));
+    CU_ASSERT_PTR_NULL(metrics_part_name(PARTS_END));
 }
 
 static void test_part_status_is_the_table(void)
@@ -145,7 +145,7 @@ static void test_part_status_is_the_table(void)
         CU_ASSERT_EQUAL(strncmp(s.part, "broker.", 7), 0);
         counters += s.counters._length;
     }
-    while (counters_at(known)) {
+    while (metrics_at(known)) {
         known++;
     }
     CU_ASSERT_EQUAL(part, PARTS_END);
@@ -325,7 +325,7 @@ static void test_at_most_once_an_interval(void)
 {
     team(50 * MS);
     story_send("red", 1, "green", "one");
-    EXPECT("green #1 red/1 one"); /* the courier had slept long enough */
+    EXPECT("green #1 red/1 one"); /* the dispatcher had slept long enough */
     story_send("red", 2, "green", "two");
     story_tick(20 * MS);
     story_send("red", 3, "green", "three");
@@ -396,14 +396,14 @@ static void test_who_shares_a_process_with_a_full_window_is_not_forgotten(void)
     story_send("red", 1, "blue", "hello");
     story_mail(directive("operator", ++seq, "green", "(wander)"));
     EXPECT("");
-    uint32_t place = places_find(&story.b->places, "p-green");
-    CU_ASSERT_EQUAL(tenants_stirred(&story.b->places, place), TENANTS_NONE);
+    uint32_t place = processes_find(&story.b->processes, "p-green");
+    CU_ASSERT_EQUAL(residents_stirred(&story.b->processes, place), RESIDENTS_NONE);
     story_ack("green", 1); /* which makes room for the directive */
-    CU_ASSERT_NOT_EQUAL(tenants_stirred(&story.b->places, place), TENANTS_NONE);
+    CU_ASSERT_NOT_EQUAL(residents_stirred(&story.b->processes, place), RESIDENTS_NONE);
     EXPECT("green #209 operator/209 (wander)");
-    CU_ASSERT_EQUAL(tenants_stirred(&story.b->places, place), TENANTS_NONE);
-    CU_ASSERT_EQUAL(courier_deadline_ns(story.b), story.b->courier.wake_ns);
-    story.now_ns = story.b->courier.wake_ns - 1;
+    CU_ASSERT_EQUAL(residents_stirred(&story.b->processes, place), RESIDENTS_NONE);
+    CU_ASSERT_EQUAL(dispatch_deadline_ns(story.b), story.b->dispatch.wake_ns);
+    story.now_ns = story.b->dispatch.wake_ns - 1;
     story_tick(1);
     CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), "blue #1 red/1 hello"));
 }

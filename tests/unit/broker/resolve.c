@@ -41,7 +41,7 @@ static void answer(const char *src, const char *ticket, const char *content)
 static uint64_t counter(const char *name)
 {
     muster_PartStatus s;
-    CU_ASSERT_TRUE_FATAL(broker_part(story.b, PART_POSTMASTER, &s));
+    CU_ASSERT_TRUE_FATAL(broker_part(story.b, PART_MAIL, &s));
     for (uint32_t i = 0; i < s.counters._length; i++) {
         if (strcmp(s.counters._buffer[i].name, name) == 0) {
             return s.counters._buffer[i].value;

@@ -229,7 +229,7 @@ static void test_who_goes_to_another_broker_is_looked_at_no_more(void)
     EXPECT("p-green: operator/1 green asks (facts)");
     at_broker("green", "beta", 2);
     (void)story_collect();
-    CU_ASSERT_EQUAL(story.b->glances.count, 0);
+    CU_ASSERT_EQUAL(story.b->probes.count, 0);
 }
 
 /* --- in the same place ------------------------------------------------------------------------ */

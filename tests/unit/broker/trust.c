@@ -247,11 +247,11 @@ static void test_the_broker_is_directed_by_whom_the_policy_allows(void)
     m.content = words("(delivery-interval 2.5)");
     story_mail(m);
     EXPECT("red #1 broker/4611686018427387905 delivery-interval 2.5; red 1-1 delivered");
-    CU_ASSERT_EQUAL(story.b->courier.interval_ns, 2500000);
+    CU_ASSERT_EQUAL(story.b->dispatch.interval_ns, 2500000);
     m = directive("blue", 1, "broker", "(wander)");
     m.content = words("(delivery-interval 7)");
     story_mail(m);
-    CU_ASSERT_EQUAL(story.b->courier.interval_ns, 2500000);
+    CU_ASSERT_EQUAL(story.b->dispatch.interval_ns, 2500000);
     CU_ASSERT_EQUAL(story_status().refused, 1);
 }
 

@@ -70,7 +70,7 @@ _Noreturn void history_fail(const char *what, const char *file, int line)
 static void processes_live(void)
 {
     for (int i = 0; i < PROCESSES; i++) {
-        struct process *p = &history.processes[i];
+        struct history_process *p = &history.processes[i];
         if (!p->alive) {
             continue;
         }
@@ -89,7 +89,7 @@ static void turn(uint64_t passed_ns)
     history.now_ns += passed_ns;
     uint32_t first = history_roll(PROCESSES);
     for (uint32_t i = 0; i < PROCESSES && history.life.b; i++) {
-        struct process *p = &history.processes[(first + i) % PROCESSES];
+        struct history_process *p = &history.processes[(first + i) % PROCESSES];
         if (p->alive && p->reaches && p->registration_due && !history_chance(4)) {
             net_register(p);
         }
@@ -124,7 +124,7 @@ static void all_come_back(void)
     }
     history.life.disk_fails = false;
     for (int i = 0; i < PROCESSES; i++) {
-        struct process *p = &history.processes[i];
+        struct history_process *p = &history.processes[i];
         if (!p->alive) {
             process_begin(p);
         }
@@ -158,7 +158,7 @@ static void missing_join(void)
             continue;
         }
         for (int i = 0; i < PROCESSES * SEATS; i++) {
-            struct process *p = &history.processes[i / SEATS];
+            struct history_process *p = &history.processes[i / SEATS];
             struct actor *a = &p->seats[i % SEATS];
             if (a->name == NOBODY || a->refused) {
                 a->name = NOBODY;
@@ -179,7 +179,7 @@ static bool all_is_done(void)
 {
     bool done = life_status().waiting == 0;
     for (int i = 0; i < PROCESSES; i++) {
-        const struct process *p = &history.processes[i];
+        const struct history_process *p = &history.processes[i];
         done = done && p->ups_count == 0 && p->deliveries_count == 0;
         for (int seat = 0; seat < SEATS; seat++) {
             bool is_done = agent_is_done(&p->seats[seat]);
@@ -205,7 +205,7 @@ static void check_holders(void)
         bool known = life_member(name, &m);
         uint32_t holders = 0;
         for (int i = 0; i < PROCESSES; i++) {
-            struct process *p = &history.processes[i];
+            struct history_process *p = &history.processes[i];
             struct actor *a = process_agent(p, name);
             if (a && a->registered && !a->leaving) {
                 holders++;
@@ -253,7 +253,7 @@ void history_live(uint64_t seed, uint32_t steps)
     history.box_mails = history_chance(3) ? 4 + history_roll(12) : 0;
     history.box_policy = policies[history_roll(4)];
     for (int i = 0; i < PROCESSES; i++) {
-        struct process *p = &history.processes[i];
+        struct history_process *p = &history.processes[i];
         snprintf(p->name, sizeof p->name, "p%d", i);
         for (int seat = 0; seat < SEATS; seat++) {
             p->seats[seat].name = NOBODY;

@@ -11,7 +11,7 @@
  *   history_acts.c    what happens, by the dice
  *   history_agent.c   processes and agents: numbers, sending again, taking, acknowledging
  *   history_net.c     registrations, Ups and Deliveries on their way
- *   history_many.c    circulars on their way
+ *   history_many.c    multicasts on their way
  *   history_inbox.c   what has come to a process, and in which order it takes that
  *   history_life.c    the lives of a broker
  *   history_disk.c    its disk
@@ -40,7 +40,7 @@ enum {
     OUTBOX = 40,
     TAKEN = 256,
     QUEUE = 6,     /* Ups, or Deliveries, on their way to or from a process */
-    INBOX = 16,    /* Deliveries and circulars together */
+    INBOX = 16,    /* Deliveries and multicasts together */
     CHAIRS = 4096, /* what the broker calls seats: of processes, in one life of it */
     UP_MAILS = 12,
     PARCELS = MU_WINDOW_MAX,
@@ -149,7 +149,7 @@ struct up {
 };
 
 struct parcel {
-    int box, src; /* src NOBODY: the broker; box NOBODY: a circular's, */
+    int box, src; /* src NOBODY: the broker; box NOBODY: a multicast's, */
     int seat;     /* where it has this instead */
     uint64_t number, since, seq;
     uint32_t mail;
@@ -182,7 +182,7 @@ struct delivery {
     uint32_t verdicts_count;
 };
 
-struct process {
+struct history_process {
     char name[16];
     bool alive;
     bool reaches; /* the broker's network has it */
@@ -191,7 +191,7 @@ struct process {
     struct actor seats[SEATS];
     struct up ups[QUEUE];
     uint32_t ups_count;
-    bool has_ears; /* for circulars */
+    bool has_ears; /* for multicasts */
     bool hears;    /* and the broker knows */
     struct delivery deliveries[INBOX];
     uint32_t deliveries_count;
@@ -229,7 +229,7 @@ struct life {
     uint64_t highest[NAMES]; /* number handed out */
     uint64_t acked[NAMES];   /* number acknowledged */
     struct chair {
-        const struct process *of;
+        const struct history_process *of;
         uint64_t serial; /* of what went there last */
     } chairs[CHAIRS];
     bool disk_fails;
@@ -247,7 +247,7 @@ struct history {
                   */
     bool is_quiet;
     struct life life;
-    struct process processes[PROCESSES];
+    struct history_process processes[PROCESSES];
     struct entry ledger[MAILS];
     uint32_t mails;
     struct book book, book_on_disk;
@@ -287,40 +287,40 @@ int history_name_index(const char *name);
 void acts_one(void);
 
 /* history_agent.c */
-void agent_join(struct process *p, int seat, int name);
+void agent_join(struct history_process *p, int seat, int name);
 bool agent_send(struct actor *a, uint32_t mail);
-void process_begin(struct process *p);
-void process_forget(struct process *p);
-void process_take(struct process *p, const struct delivery *d);
-void process_flush(struct process *p);
-void process_beat(struct process *p);
-struct actor *process_agent(struct process *p, int name);
+void process_begin(struct history_process *p);
+void process_forget(struct history_process *p);
+void process_take(struct history_process *p, const struct delivery *d);
+void process_flush(struct history_process *p);
+void process_beat(struct history_process *p);
+struct actor *process_agent(struct history_process *p, int name);
 /** @return the agent that lives and bears that name by the broker's leave, or NULL */
 struct actor *agent_of(int name);
 
 /* history_net.c */
-void net_register(struct process *p);
-void net_feed(struct process *p);
+void net_register(struct history_process *p);
+void net_feed(struct history_process *p);
 void net_match(void);
-void net_lose(struct process *p, bool crashed);
+void net_lose(struct history_process *p, bool crashed);
 void net_deliver(void);
 void net_parcel_copy(const muster_Mail *from, uint64_t number, struct parcel *to);
 /** A number goes out to a box for the first time, or as it was. */
-void net_parcel_check(const struct process *p, int box, const struct parcel *parcel);
+void net_parcel_check(const struct history_process *p, int box, const struct parcel *parcel);
 
 /* history_many.c */
 void many_hear(void);
 void many_deliver(const muster_Delivery *d);
 /** Something with that serial goes to a process. */
-void many_count(struct process *p, uint32_t chair, uint64_t serial);
+void many_count(struct history_process *p, uint32_t chair, uint64_t serial);
 
 /* history_inbox.c */
 /** @return room for one more; it comes later, perhaps; NULL: there is none */
-struct delivery *inbox_add(struct process *p, bool is_circular);
+struct delivery *inbox_add(struct history_process *p, bool is_circular);
 /** The broker is dead: what has not come never will. */
-void inbox_orphan(struct process *p);
+void inbox_orphan(struct history_process *p);
 /** Takes what is next.  @return whether there was any */
-bool inbox_take(struct process *p);
+bool inbox_take(struct history_process *p);
 
 /* history_life.c */
 void life_begin(void);

@@ -3,15 +3,15 @@
 
 #include <string.h>
 
-static struct process *any_process(void)
+static struct history_process *any_process(void)
 {
     return &history.processes[history_roll(PROCESSES)];
 }
 
 /* @return an agent of a process that lives, or NULL */
-static struct actor *any_agent(struct process **of)
+static struct actor *any_agent(struct history_process **of)
 {
-    struct process *p = any_process();
+    struct history_process *p = any_process();
     struct actor *a = &p->seats[history_roll(SEATS)];
     *of = p;
     return p->alive && a->name != NOBODY && !a->leaving ? a : NULL;
@@ -21,7 +21,7 @@ static struct actor *any_agent(struct process **of)
 
 static void act_join(void)
 {
-    struct process *p = any_process();
+    struct history_process *p = any_process();
     int seat = (int)history_roll(SEATS), name = (int)history_roll(NAMES);
     if (!p->alive) {
         process_begin(p);
@@ -35,7 +35,7 @@ static void act_join(void)
 /* It says so, and its seat stays with it until that has gone out. */
 static void act_leave(void)
 {
-    struct process *p;
+    struct history_process *p;
     struct actor *a = any_agent(&p);
     if (a && history_chance(3) && a->waiting == 0) {
         history_note("%s leaves", history_name(a->name));
@@ -46,7 +46,7 @@ static void act_leave(void)
 
 static void act_crash(void)
 {
-    struct process *p = any_process();
+    struct history_process *p = any_process();
     if (!p->alive || !history_chance(4)) {
         return;
     }
@@ -59,7 +59,7 @@ static void act_crash(void)
 /* The network loses it for a while; it lives, and knows nothing of that. */
 static void act_cut(void)
 {
-    struct process *p = any_process();
+    struct history_process *p = any_process();
     if (p->alive && p->reaches && history_chance(6)) {
         history_note("%s is cut off", p->name);
         p->reaches = false;
@@ -74,7 +74,7 @@ static void act_cut(void)
 
 static void act_mend(void)
 {
-    struct process *p = any_process();
+    struct history_process *p = any_process();
     if (p->alive && !p->reaches) {
         history_note("%s is reached again", p->name);
         p->reaches = true;
@@ -84,7 +84,7 @@ static void act_mend(void)
 
 static void act_suspend(void)
 {
-    struct process *p;
+    struct history_process *p;
     struct actor *a = any_agent(&p);
     if (a) {
         bool suspended = a->state == muster_STATE_SUSPENDED;
@@ -138,7 +138,7 @@ static void mail_fill(struct entry *e)
 
 static void act_send(void)
 {
-    struct process *p;
+    struct history_process *p;
     struct actor *a = any_agent(&p);
     uint32_t many = history_chance(6) ? 1 + history_roll(12) : 1;
     for (uint32_t i = 0; a && i < many && a->waiting < OUTBOX && history.mails < MAILS; i++) {
@@ -180,7 +180,7 @@ static void act_nonsense(void)
     if (!history.life.b) {
         return;
     }
-    struct process *p = any_process();
+    struct history_process *p = any_process();
     const char *const bad[] = {"", "n", far_too_long, "\xff\xfe", p->name, "na,,nb"};
     muster_Ack ack = {.box = words(bad[history_roll(6)]), .number = UINT64_MAX - 1};
     muster_Up up = {.process = words(bad[history_roll(6)]),

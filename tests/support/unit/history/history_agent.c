@@ -7,7 +7,7 @@
 #define RESEND_NS (1000 * MS)
 #define BEAT_NS   (300 * MS)
 
-struct actor *process_agent(struct process *p, int name)
+struct actor *process_agent(struct history_process *p, int name)
 {
     for (int seat = 0; p->alive && seat < SEATS; seat++) {
         if (p->seats[seat].name == name) {
@@ -28,7 +28,7 @@ struct actor *agent_of(int name)
     return NULL;
 }
 
-void agent_join(struct process *p, int seat, int name)
+void agent_join(struct history_process *p, int seat, int name)
 {
     struct actor *a = &p->seats[seat];
     memset(a, 0, sizeof *a);
@@ -46,7 +46,7 @@ void agent_join(struct process *p, int seat, int name)
     history_note("%s joins in %s", history_name(name), p->name);
 }
 
-void process_forget(struct process *p)
+void process_forget(struct history_process *p)
 {
     for (int name = 0; name < NAMES; name++) {
         p->seen[name] = muster_STATE_ABSENT;
@@ -55,7 +55,7 @@ void process_forget(struct process *p)
     memset(p->offers, 0, sizeof p->offers);
 }
 
-void process_begin(struct process *p)
+void process_begin(struct history_process *p)
 {
     p->alive = true;
     p->incarnation = history.now_ns;
@@ -71,7 +71,7 @@ void process_begin(struct process *p)
     history_note("%s begins%s", p->name, p->has_ears ? "" : " and hears no circulars");
 }
 
-void process_beat(struct process *p)
+void process_beat(struct history_process *p)
 {
     if (history.now_ns - p->beat_ns >= BEAT_NS) {
         p->beat_ns = history.now_ns;
@@ -135,7 +135,7 @@ static void mails_again(struct actor *a)
 static void contest(const struct actor *a)
 {
     for (int i = 0; i < PROCESSES * SEATS; i++) {
-        const struct process *p = &history.processes[i / SEATS];
+        const struct history_process *p = &history.processes[i / SEATS];
         const struct actor *other = &p->seats[i % SEATS];
         if (p->alive && other != a && other->name == a->name &&
             (other->begun || other->registered)) {
@@ -144,8 +144,8 @@ static void contest(const struct actor *a)
     }
 }
 
-static void verdict_take(struct process *p, struct actor *a, bool accepted, uint64_t last_seq,
-                         uint64_t incarnation)
+static void verdict_take(struct history_process *p, struct actor *a, bool accepted,
+                         uint64_t last_seq, uint64_t incarnation)
 {
     if (a->refused == accepted) {
         a->refused = !accepted;
@@ -184,8 +184,9 @@ static bool ring_has(const struct actor *a, const struct parcel *p)
     return false;
 }
 
-/* @return for whom a parcel is; of a circular, who was in that seat when it was written; or NULL */
-static struct actor *parcel_agent(struct process *p, const struct delivery *d,
+/* @return for whom a delivery item is; of a multicast, who was in that seat when it was written; or
+ * NULL */
+static struct actor *parcel_agent(struct history_process *p, const struct delivery *d,
                                   const struct parcel *parcel)
 {
     if (!d->is_circular) {
@@ -225,7 +226,7 @@ static void parcel_take(struct actor *a, const struct parcel *p, uint32_t life)
     ledger_hand(a, p, life);
 }
 
-void process_take(struct process *p, const struct delivery *d)
+void process_take(struct history_process *p, const struct delivery *d)
 {
     for (uint32_t i = 0; i < d->verdicts_count; i++) {
         struct actor *a = process_agent(p, d->verdicts[i].name);
@@ -278,7 +279,7 @@ static void up_add_mails(struct actor *a, int seat, struct up *up)
     }
 }
 
-void process_flush(struct process *p)
+void process_flush(struct history_process *p)
 {
     if (p->ups_count == QUEUE || !p->reaches || !history.life.b) {
         return;

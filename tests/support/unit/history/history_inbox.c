@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A process takes what came by either way in the order in which the broker sent it, as well as it
- * can: circulars may be lost, and come before or after what was sent earlier.
+ * can: multicasts may be lost, and come before or after what was sent earlier.
  */
 #include "history.h"
 
@@ -16,7 +16,7 @@ static uint64_t late_ns(void)
 }
 
 /* Deliveries to one process stay in their order. */
-struct delivery *inbox_add(struct process *p, bool is_circular)
+struct delivery *inbox_add(struct history_process *p, bool is_circular)
 {
     if (p->deliveries_count == INBOX) {
         return NULL;
@@ -34,30 +34,30 @@ struct delivery *inbox_add(struct process *p, bool is_circular)
     return d;
 }
 
-static void inbox_remove(struct process *p, uint32_t index)
+static void inbox_remove(struct history_process *p, uint32_t index)
 {
     struct delivery *d = &p->deliveries[index];
     memmove(d, d + 1, (--p->deliveries_count - index) * sizeof *d);
 }
 
-static bool is_counted(const struct process *p, const struct delivery *d)
+static bool is_counted(const struct history_process *p, const struct delivery *d)
 {
     return d->chair == p->inbox.chair && d->incarnation == p->inbox.incarnation;
 }
 
-static bool is_too_early(const struct process *p, const struct delivery *d)
+static bool is_too_early(const struct history_process *p, const struct delivery *d)
 {
     return is_counted(p, d) && d->serial > p->inbox.serial + 1;
 }
 
-/* Who does not know his chair takes no circular for his; nor anything of an earlier life of the
+/* Who does not know his chair takes no multicast for his; nor anything of an earlier life of the
  * broker than he has heard of. */
-static bool is_strange(const struct process *p, const struct delivery *d)
+static bool is_strange(const struct history_process *p, const struct delivery *d)
 {
     return (d->is_circular && !is_counted(p, d)) || d->incarnation < p->inbox.incarnation;
 }
 
-static void inbox_receive(struct process *p)
+static void inbox_receive(struct history_process *p)
 {
     for (uint32_t i = 0; i < p->deliveries_count;) {
         struct delivery *d = &p->deliveries[i];
@@ -72,7 +72,7 @@ static void inbox_receive(struct process *p)
     }
 }
 
-void inbox_orphan(struct process *p)
+void inbox_orphan(struct history_process *p)
 {
     for (uint32_t i = 0; i < p->deliveries_count;) {
         const struct delivery *d = &p->deliveries[i];
@@ -86,7 +86,7 @@ void inbox_orphan(struct process *p)
 
 /* @return the earliest by its serial of what has come among the first few; their count: nothing has
  */
-static uint32_t earliest_of(const struct process *p, uint32_t count)
+static uint32_t earliest_of(const struct history_process *p, uint32_t count)
 {
     uint32_t earliest = count;
     for (uint32_t i = 0; i < count; i++) {
@@ -99,7 +99,7 @@ static uint32_t earliest_of(const struct process *p, uint32_t count)
 
 /* @return what came first of what is not too early, but nothing of a new count of the same broker
  * before what is left of the old one; or the count: nothing is */
-static uint32_t next_in_order(const struct process *p)
+static uint32_t next_in_order(const struct history_process *p)
 {
     for (uint32_t i = 0; i < p->deliveries_count; i++) {
         const struct delivery *d = &p->deliveries[i];
@@ -113,7 +113,7 @@ static uint32_t next_in_order(const struct process *p)
 }
 
 /* @return what is next, or the earliest of all after a while, or the count: nothing is */
-static uint32_t inbox_next(struct process *p)
+static uint32_t inbox_next(struct history_process *p)
 {
     uint32_t next = next_in_order(p), earliest = earliest_of(p, p->deliveries_count);
     if (next < p->deliveries_count || earliest == p->deliveries_count) {
@@ -129,7 +129,7 @@ static uint32_t inbox_next(struct process *p)
     return earliest;
 }
 
-static void inbox_count(struct process *p, const struct delivery *d)
+static void inbox_count(struct history_process *p, const struct delivery *d)
 {
     if (!is_counted(p, d)) {
         p->inbox.chair = d->chair;
@@ -142,7 +142,7 @@ static void inbox_count(struct process *p, const struct delivery *d)
     }
 }
 
-bool inbox_take(struct process *p)
+bool inbox_take(struct history_process *p)
 {
     static struct delivery d;
     inbox_receive(p);

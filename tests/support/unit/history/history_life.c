@@ -70,7 +70,7 @@ void life_kill(void)
     history.life.b = NULL;
     history.seen.kills++;
     for (int i = 0; i < PROCESSES; i++) {
-        struct process *p = &history.processes[i];
+        struct history_process *p = &history.processes[i];
         p->ups_count = 0;
         p->hears = false;
         p->deliveries_count = history_chance(2) ? p->deliveries_count : 0;
@@ -144,18 +144,18 @@ void life_check_empty(void)
 {
     struct broker *b = history.life.b;
     HOLD(b->counters.waiting == 0);
-    HOLD(b->store.mails == 0);
+    HOLD(b->pool.mails == 0);
     HOLD(b->mailbox.posts_live == 0);
     HOLD(b->mailbox.shares.live == 0);
     HOLD(receipts_kept(&b->receipts) == 0);
     HOLD(b->due.count == 0 && b->expiry.count == 0);
-    HOLD(b->ages.oldest == NULL);
+    HOLD(b->arrivals.oldest == NULL);
     HOLD(b->claims.count == 0);
-    HOLD(b->circulars.count == 0);
+    HOLD(b->multicast.count == 0);
     HOLD(b->mailbox.watch_head == MU_NONE);
-    for (int side = 0; side < SHARE_SIDES; side++) {
-        HOLD(b->shares.all[side].mails == 0 && b->shares.all[side].bytes == 0 &&
-             b->shares.all[side].posts == 0);
+    for (int side = 0; side < QUOTA_SIDES; side++) {
+        HOLD(b->quotas.all[side].mails == 0 && b->quotas.all[side].bytes == 0 &&
+             b->quotas.all[side].posts == 0);
     }
     if (history.has_store) {
         HOLD(b->journal.first == NULL && b->journal.agents_count == 0);

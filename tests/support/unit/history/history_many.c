@@ -6,13 +6,13 @@
 
 #include <string.h>
 
-/* Readers of circulars are found when they are found. */
+/* Readers of multicasts are found when they are found. */
 void many_hear(void)
 {
     for (int i = 0; i < PROCESSES; i++) {
-        struct process *p = &history.processes[i];
-        uint32_t place = places_find(&history.life.b->places, p->name);
-        bool matched = place != MU_NONE && history.life.b->places.at[place].matched;
+        struct history_process *p = &history.processes[i];
+        uint32_t place = processes_find(&history.life.b->processes, p->name);
+        bool matched = place != MU_NONE && history.life.b->processes.at[place].matched;
         if (matched && p->alive && p->has_ears && !p->hears && !history_chance(3)) {
             history_note("%s hears circulars", p->name);
             broker_hears(history.life.b, p->name);
@@ -21,7 +21,7 @@ void many_hear(void)
     }
 }
 
-void many_count(struct process *p, uint32_t chair, uint64_t serial)
+void many_count(struct history_process *p, uint32_t chair, uint64_t serial)
 {
     HOLD(chair > 0 && chair < CHAIRS);
     struct chair *c = &history.life.chairs[chair];
@@ -32,28 +32,28 @@ void many_count(struct process *p, uint32_t chair, uint64_t serial)
 }
 
 /* @return whose box that is, or NOBODY */
-static int box_of(const struct process *p, uint32_t slot)
+static int box_of(const struct history_process *p, uint32_t slot)
 {
     const struct broker *b = history.life.b;
     for (int name = 0; name < NAMES; name++) {
         muster_Member m;
         if (life_member(name, &m) && m.state != muster_STATE_ABSENT &&
             strcmp(m.process, p->name) == 0 &&
-            b->registry.agents[registry_find(&b->registry, m.name)].tenant.slot == slot) {
+            b->registry.agents[registry_find(&b->registry, m.name)].resident.slot == slot) {
             return name;
         }
     }
     return NOBODY;
 }
 
-static struct process *process_at(uint32_t chair)
+static struct history_process *process_at(uint32_t chair)
 {
     HOLD(chair > 0 && chair < CHAIRS && history.life.chairs[chair].of);
     return &history.processes[history.life.chairs[chair].of - history.processes];
 }
 
 /* Checks one box, and writes what it brings if somebody is to have it. */
-static void box_copy(const muster_Delivery *d, uint32_t index, struct process *p,
+static void box_copy(const muster_Delivery *d, uint32_t index, struct history_process *p,
                      struct delivery *to)
 {
     uint32_t slot = d->slots._buffer[index];
@@ -77,7 +77,7 @@ static uint32_t process_copy(const muster_Delivery *d, uint32_t index)
 {
     uint32_t chair = d->seats._buffer[index];
     uint64_t serial = d->serials._buffer[index];
-    struct process *p = process_at(chair);
+    struct history_process *p = process_at(chair);
     HOLD(p->hears);
     many_count(p, chair, serial);
     bool lost = history.loses && !history.is_quiet && history_chance(5);
@@ -110,7 +110,7 @@ void many_deliver(const muster_Delivery *d)
         before = d->seats._buffer[i];
         i = process_copy(d, i);
     }
-    HOLD(processes >= CIRCULAR_PLACES_MIN);
+    HOLD(processes >= MULTICAST_PLACES_MIN);
     history.seen.circulars++;
     history.seen.by_circular += boxes * d->letters._length;
     broker_delivered(history.life.b, life_now_ns());

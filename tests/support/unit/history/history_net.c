@@ -10,7 +10,7 @@
 
 /* --- registrations ---------------------------------------------------------------------------- */
 
-void net_register(struct process *p)
+void net_register(struct history_process *p)
 {
     muster_Entry entries[SEATS];
     muster_Registration r = {.process = p->name,
@@ -47,7 +47,7 @@ void net_register(struct process *p)
 void net_match(void)
 {
     for (int i = 0; i < PROCESSES; i++) {
-        struct process *p = &history.processes[i];
+        struct history_process *p = &history.processes[i];
         const char *wanted;
         for (uint32_t k = 0; (wanted = broker_process(history.life.b, k)); k++) {
             if (strcmp(wanted, p->name) == 0 && p->alive && p->reaches && !history_chance(3)) {
@@ -60,7 +60,7 @@ void net_match(void)
     }
 }
 
-void net_lose(struct process *p, bool crashed)
+void net_lose(struct history_process *p, bool crashed)
 {
     p->hears = false;
     if (!history.life.b) {
@@ -116,7 +116,7 @@ static void content_of(const struct entry *e, uint32_t mail, char *to, size_t si
 }
 
 /* One mail reaches the broker. */
-static void feed_mail(struct process *p, const struct up_mail *from)
+static void feed_mail(struct history_process *p, const struct up_mail *from)
 {
     uint32_t mail = from->mail;
     const struct entry *e = &history.ledger[mail];
@@ -175,7 +175,7 @@ static void feed_mail(struct process *p, const struct up_mail *from)
 
 /* One acknowledgement reaches the broker: this life of it, or one of which its sender has not heard
  * that it is over. */
-static void feed_ack(const struct process *p, const struct up_ack *from)
+static void feed_ack(const struct history_process *p, const struct up_ack *from)
 {
     muster_Ack ack = {
         .box = words(history_name(from->name)), .number = from->number, .handed = from->handed};
@@ -192,7 +192,7 @@ static void feed_ack(const struct process *p, const struct up_ack *from)
     history.seen.astray += is_late;
 }
 
-void net_feed(struct process *p)
+void net_feed(struct history_process *p)
 {
     struct up up = p->ups[0];
     bool twice = !history.is_quiet && history.loses && history_chance(12) && p->ups_count < QUEUE;
@@ -228,7 +228,7 @@ void net_parcel_copy(const muster_Mail *m, uint64_t number, struct parcel *to)
     HOLD(to->mail < history.mails);
 }
 
-void net_parcel_check(const struct process *p, int box, const struct parcel *parcel)
+void net_parcel_check(const struct history_process *p, int box, const struct parcel *parcel)
 {
     struct life *l = &history.life;
     muster_Member m;
@@ -243,7 +243,7 @@ void net_parcel_check(const struct process *p, int box, const struct parcel *par
     *highest = parcel->number;
 }
 
-static void news_copy(struct process *p, const muster_Delivery *from)
+static void news_copy(struct history_process *p, const muster_Delivery *from)
 {
     if (from->verdicts._length > 0) {
         uint64_t incarnation = from->verdicts._buffer[0].broker_incarnation;
@@ -273,7 +273,7 @@ static void news_copy(struct process *p, const muster_Delivery *from)
     }
 }
 
-static void delivery_copy(struct process *p, const muster_Delivery *from)
+static void delivery_copy(struct history_process *p, const muster_Delivery *from)
 {
     struct delivery *to = inbox_add(p, false);
     HOLD(from->parcels._length <= PARCELS && from->receipts._length <= RECEIPTS &&
@@ -319,7 +319,7 @@ void net_deliver(void)
             many_deliver(&d);
             continue;
         }
-        struct process *p = &history.processes[strtol(name + 1, NULL, 10)];
+        struct history_process *p = &history.processes[strtol(name + 1, NULL, 10)];
         HOLD(strcmp(name, p->name) == 0);
         bool lost = history.loses && !history.is_quiet && history_chance(6);
         if (lost || !p->alive || p->deliveries_count >= QUEUE) {

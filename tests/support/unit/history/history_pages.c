@@ -78,7 +78,7 @@ uint64_t book_answer(int service)
 void book_check_copies(void)
 {
     for (int i = 0; i < PROCESSES; i++) {
-        const struct process *p = &history.processes[i];
+        const struct history_process *p = &history.processes[i];
         bool serves = false;
         for (int seat = 0; seat < SEATS; seat++) {
             serves = serves || (p->seats[seat].name != NOBODY && p->seats[seat].registered);

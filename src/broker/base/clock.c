@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/base/base.h"
+
+#include "broker/control/parts.h"
+#include "core/name.h"
+#include "core/text.h"
+
+#include <string.h>
+
+void clock_set_now(struct clock *c, uint64_t now_ns)
+{
+    if (now_ns > c->now_ns) {
+        c->now_ns = now_ns;
+    }
+}
+
+void clock_start(struct clock *c, bool lockstep, uint64_t run_ns)
+{
+    uint64_t mail_ns = clock_mail_ns(c);
+    c->runs = true;
+    c->lockstep = lockstep;
+    c->run_ns = run_ns;
+    c->base_ns = c->now_ns;
+    c->mail_lead_ns = mail_ns - (lockstep ? run_ns : c->now_ns);
+}
+
+void clock_step(struct clock *c, uint64_t run_ns)
+{
+    c->run_ns = run_ns;
+}
+
+uint64_t clock_run_ns(const struct clock *c)
+{
+    if (!c->runs || c->lockstep) {
+        return c->run_ns;
+    }
+    return c->run_ns + (c->now_ns - c->base_ns);
+}
+
+uint64_t clock_mail_ns(const struct clock *c)
+{
+    return (c->lockstep ? c->run_ns : c->now_ns) + c->mail_lead_ns;
+}
+
+/* When a clock that shows this will show that; what is past is due now. */
+static uint64_t now_of(const struct clock *c, uint64_t shows_ns, uint64_t then_ns)
+{
+    uint64_t ahead_ns = then_ns > shows_ns ? then_ns - shows_ns : 0;
+    return ahead_ns > UINT64_MAX - c->now_ns ? UINT64_MAX : c->now_ns + ahead_ns;
+}
+
+uint64_t clock_now_of_mail_ns(const struct clock *c, uint64_t mail_ns)
+{
+    return now_of(c, clock_mail_ns(c), mail_ns);
+}
+
+uint64_t clock_now_of_run_ns(const struct clock *c, uint64_t run_ns)
+{
+    return now_of(c, clock_run_ns(c), run_ns);
+}
+
+uint64_t clock_wall_ns(const struct broker *b)
+{
+    return b->wall_ns + b->clock.now_ns;
+}

@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/base/base.h"
+
+#include "broker/control/parts.h"
+#include "muster/memory.h"
+#include "muster/result.h"
+
+#include <string.h>
+
+/* Sizes of records, in bytes. */
+static const uint32_t class_bytes[POOL_CLASSES] = {320,  512,  1024,  2048,
+                                                   4096, 8192, 16384, POOL_RECORD_MAX};
+
+enum { LETTER_STRINGS = 9 };
+
+_Static_assert(sizeof(struct mail) + MU_NAME_MAX + MU_DST_MAX + 6 * MU_FIELD_MAX + MU_CONTENT_MAX +
+                       LETTER_STRINGS <=
+                   POOL_RECORD_MAX,
+               "the largest mail fits the largest class");
+
+void pool_init(struct pool *s)
+{
+    *s = (struct pool){.slabs_free = MU_NONE};
+    s->memory = mu_startup_array(POOL_SLABS, POOL_SLAB_BYTES);
+    s->slabs = mu_startup_array(POOL_SLABS, sizeof *s->slabs);
+    for (int c = 0; c < POOL_CLASSES; c++) {
+        s->open[c] = MU_NONE;
+    }
+}
+
+static bool slab_has_room(const struct pool_slab *slab)
+{
+    return slab->free || (slab->carved + 1) * class_bytes[slab->size_class] <= POOL_SLAB_BYTES;
+}
+
+static void slab_link(struct pool *s, uint32_t index)
+{
+    struct pool_slab *slab = &s->slabs[index];
+    slab->prev = MU_NONE;
+    slab->next = s->open[slab->size_class];
+    if (slab->next != MU_NONE) {
+        s->slabs[slab->next].prev = index;
+    }
+    s->open[slab->size_class] = index;
+}
+
+static void slab_unlink(struct pool *s, uint32_t index)
+{
+    struct pool_slab *slab = &s->slabs[index];
+    if (slab->prev == MU_NONE) {
+        s->open[slab->size_class] = slab->next;
+    } else {
+        s->slabs[slab->prev].next = slab->next;
+    }
+    if (slab->next != MU_NONE) {
+        s->slabs[slab->next].prev = slab->prev;
+    }
+}
+
+/* Finds a slab of the class with room, taking a fresh one if need be. */
+static uint32_t slab_open(struct pool *s, uint32_t size_class)
+{
+    if (s->open[size_class] != MU_NONE) {
+        return s->open[size_class];
+    }
+    uint32_t index = s->slabs_free;
+    if (index != MU_NONE) {
+        s->slabs_free = s->slabs[index].next;
+    } else if (s->slabs_used < POOL_SLABS) {
+        index = s->slabs_used++;
+    } else {
+        return MU_NONE;
+    }
+    s->slabs[index] = (struct pool_slab){.size_class = size_class};
+    slab_link(s, index);
+    return index;
+}
+
+static void *record_take(struct pool *s, uint32_t size_class)
+{
+    uint32_t index = slab_open(s, size_class);
+    if (index == MU_NONE) {
+        return NULL;
+    }
+    struct pool_slab *slab = &s->slabs[index];
+    unsigned char *record = slab->free;
+    if (record) {
+        memcpy(&slab->free, record, sizeof slab->free);
+    } else {
+        record = s->memory + (size_t)index * POOL_SLAB_BYTES +
+                 (size_t)slab->carved++ * class_bytes[size_class];
+    }
+    slab->live++;
+    if (!slab_has_room(slab)) {
+        slab_unlink(s, index);
+    }
+    return record;
+}
+
+static void record_give(struct pool *s, struct mail *m)
+{
+    uint32_t index = (uint32_t)((size_t)((unsigned char *)m - s->memory) / POOL_SLAB_BYTES);
+    struct pool_slab *slab = &s->slabs[index];
+    bool had_room = slab_has_room(slab);
+    void *record = m;
+    memcpy(record, &slab->free, sizeof slab->free);
+    slab->free = record;
+    slab->live--;
+    if (!had_room) {
+        slab_link(s, index);
+    }
+    if (slab->live == 0) {
+        slab_unlink(s, index);
+        slab->next = s->slabs_free;
+        s->slabs_free = index;
+    }
+}
+
+/* Every string of a letter. */
+static void letter_strings(muster_Mail *letter, char **strings[LETTER_STRINGS])
+{
+    char **all[LETTER_STRINGS] = {
+        &letter->src,         &letter->dst,          &letter->performative,
+        &letter->language,    &letter->ontology,     &letter->reply_with,
+        &letter->in_reply_to, &letter->conversation, &letter->content};
+    memcpy(strings, all, sizeof all);
+}
+
+struct mail *pool_put(struct pool *s, const muster_Mail *letter)
+{
+    static char empty[1];
+    muster_Mail copy = *letter;
+    char **strings[LETTER_STRINGS];
+    size_t lengths[LETTER_STRINGS];
+    letter_strings(&copy, strings);
+    size_t bytes = sizeof(struct mail);
+    for (int i = 0; i < LETTER_STRINGS; i++) {
+        lengths[i] = **strings[i] ? strlen(*strings[i]) : 0;
+        bytes += lengths[i] ? lengths[i] + 1 : 0;
+    }
+    uint32_t size_class = 0;
+    while (class_bytes[size_class] < bytes) {
+        size_class++;
+        MU_ASSERT(size_class < POOL_CLASSES);
+    }
+    struct mail *m = record_take(s, size_class);
+    if (!m) {
+        return NULL;
+    }
+    s->mails++;
+    char *text = (char *)(m + 1);
+    for (int i = 0; i < LETTER_STRINGS; i++) {
+        const char *from = *strings[i];
+        *strings[i] = empty;
+        if (lengths[i]) {
+            *strings[i] = memcpy(text, from, lengths[i] + 1);
+            text += lengths[i] + 1;
+        }
+    }
+    *m = (struct mail){.letter = copy,
+                       .place = {MU_NONE, MU_NONE},
+                       .only = MU_NONE,
+                       .posts = MU_NONE,
+                       .uses = 1,
+                       .bytes = (uint32_t)bytes,
+                       .size_class = size_class};
+    return m;
+}
+
+uint32_t pool_bytes(const struct mail *m)
+{
+    return class_bytes[m->size_class];
+}
+
+void pool_keep(struct mail *m)
+{
+    m->uses++;
+}
+
+void pool_release(struct pool *s, struct mail *m)
+{
+    MU_ASSERT(m->uses > 0);
+    if (--m->uses == 0) {
+        s->mails--;
+        record_give(s, m);
+    }
+}
+
+/* --- across a restart ------------------------------------------------------------------------- */
+
+/* What can be said, or be certain, of a mail that is still in a box. */
+static const struct {
+    const char *word;
+    bool told;
+} standings[] = {
+    [muster_OUTCOME_STORED] = {"stored", false},
+    [muster_OUTCOME_EXPIRED] = {"expired", false},
+    [muster_OUTCOME_DROPPED] = {"dropped", false},
+    [muster_OUTCOME_BOX_FULL] = {"box-full", true},
+    [muster_OUTCOME_UNKNOWN_NAME] = {"unknown-name", true},
+    [muster_OUTCOME_REFUSED] = {"refused", true},
+};
+
+enum { STANDINGS = sizeof standings / sizeof standings[0] };
+
+const char *pool_mail_standing(const struct mail *m)
+{
+    muster_Outcome is = m->dropped     ? muster_OUTCOME_DROPPED
+                        : m->expired   ? muster_OUTCOME_EXPIRED
+                        : m->passed_on ? muster_OUTCOME_STORED
+                                       : muster_OUTCOME_DELIVERED;
+    const char *word = standings[m->answered ? m->answer : is].word;
+    return word ? word : "";
+}
+
+bool pool_mail_go_on(struct mail *m, const char *word)
+{
+    unsigned is = 0;
+    while (is < STANDINGS && (!standings[is].word || strcmp(standings[is].word, word) != 0)) {
+        is++;
+    }
+    if (is == STANDINGS) {
+        return false;
+    }
+    m->answered = standings[is].told;
+    m->answer = (uint8_t)is;
+    m->dropped = is == muster_OUTCOME_DROPPED;
+    m->expired = is == muster_OUTCOME_EXPIRED;
+    m->passed_on = is == muster_OUTCOME_STORED;
+    return true;
+}

@@ -1,0 +1,276 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/delivery/delivery.h"
+
+#include "broker/control/parts.h"
+#include "core/sort.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+void dispatch_init(struct dispatch *c)
+{
+    *c = (struct dispatch){.open = MU_NONE};
+    c->parcels = mu_startup_array(DISPATCH_ITEMS, sizeof *c->parcels);
+    c->receipts = mu_startup_array(DISPATCH_RECEIPTS, sizeof *c->receipts);
+}
+
+/* --- the interval ----------------------------------------------------------------------------- */
+
+/* @return whether there is a directive to hand out, or anything to go out once more */
+static bool box_is_urgent(struct broker *b, uint32_t agent)
+{
+    if (!mailbox_is_begun(&b->mailbox, agent)) {
+        return false;
+    }
+    const struct box *box = mailbox_box(&b->mailbox, agent);
+    uint32_t first = box->lists[POST_URGENT].head;
+    if (box->out != MU_NONE || first == MU_NONE) {
+        return box->out != MU_NONE;
+    }
+    bool may_go = !b->mailbox.posts[first].mail->journal_written || journal_room(b, agent) > 0;
+    return may_go && box->lists[POST_FLIGHT].count < MU_WINDOW_MAX + MAILBOX_RESERVE &&
+           names_gate(b, agent) != GATE_SHUT;
+}
+
+/* What cannot wait: an answer to a registration, a directive, what goes out once more. */
+static bool place_is_urgent(struct broker *b, uint32_t place)
+{
+    const struct process *at = &b->processes.at[place];
+    if (at->refusals_count > 0 || at->roll_call_due) {
+        return true;
+    }
+    for (uint32_t agent; (agent = residents_stirred(&b->processes, place)) != RESIDENTS_NONE;) {
+        if (b->registry.agents[agent].verdict_due || box_is_urgent(b, agent)) {
+            return true; /* it stays stirred until it is served */
+        }
+        residents_calm(&b->registry, &b->processes, agent);
+    }
+    return false;
+}
+
+/* @return whether the process is held until the dispatcher wakes */
+static bool place_hold(struct broker *b, uint32_t place)
+{
+    struct dispatch *c = &b->dispatch;
+    struct process *at = &b->processes.at[place];
+    if (at->rostered || at->simulator || compose_is_awake(b, false) || place_is_urgent(b, place)) {
+        return false;
+    }
+    c->held += !at->held;
+    at->held = true;
+    return true;
+}
+
+/* @return whether the process gets no more of a flood for now */
+static bool place_pause(struct broker *b, uint32_t place)
+{
+    bool may = b->clock.now_ns < b->processes.at[place].flooded_until_ns;
+    return may && !place_is_urgent(b, place) && pacing_hold(b, place);
+}
+
+static void dispatch_wake(struct broker *b)
+{
+    struct dispatch *c = &b->dispatch;
+    if (c->awake || b->clock.now_ns < c->wake_ns) {
+        return;
+    }
+    c->awake = true;
+    for (uint32_t i = 0; i < b->processes.top && c->held > 0; i++) {
+        if (b->processes.at[i].held) {
+            b->processes.at[i].held = false;
+            processes_wake(&b->processes, i);
+        }
+    }
+    c->held = 0;
+}
+
+/* All who may be served have been. */
+static void dispatch_sleep(struct broker *b)
+{
+    struct dispatch *c = &b->dispatch;
+    if (c->awake && c->worked) {
+        c->count.wakings += c->interval_ns > 0;
+        c->slept_ns = clock_mail_ns(&b->clock);
+        c->wake_ns = b->clock.now_ns + c->interval_ns;
+        c->wake_ns = c->wake_ns < c->interval_ns ? UINT64_MAX : c->wake_ns;
+    }
+    c->awake = c->worked = false;
+}
+
+void dispatch_set_interval(struct broker *b, uint64_t interval_ns)
+{
+    b->dispatch.interval_ns = interval_ns;
+    b->dispatch.wake_ns = b->clock.now_ns;
+}
+
+/* --- putting together ------------------------------------------------------------------------- */
+
+bool dispatch_next(struct broker *b, const char **process, muster_Delivery *d)
+{
+    uint32_t place;
+    dispatch_wake(b);
+    if (multicast_next(b, d)) {
+        b->dispatch.open = PROCESSES_ALL;
+        b->dispatch.open_lockstep = false;
+        b->dispatch.open_delay_ns = 0;
+        *process = BUS_TO_ALL;
+        return true;
+    }
+    while ((place = processes_next(&b->processes)) != MU_NONE) {
+        const struct process *at = &b->processes.at[place];
+        if (!at->used || !at->matched || at->blocked) {
+            continue;
+        }
+        b->dispatch.open = place;
+        if (compose_fill_trip(b, place, d) || compose_fill_glance(b, place, d)) {
+            *process = at->name;
+            return true;
+        }
+        if (place_hold(b, place) || place_pause(b, place)) {
+            b->dispatch.open = MU_NONE;
+            continue;
+        }
+        if (compose_fill(b, place, d)) {
+            *process = at->name;
+            return true;
+        }
+        compose_return_passed_by(b); /* behind whoever is urgent, or until the dispatcher wakes */
+        if (b->dispatch.parts_count == DISPATCH_AGENTS) {
+            processes_wake(&b->processes, place); /* more of them have not been looked at */
+        }
+        b->dispatch.parts_count = 0;
+        b->dispatch.open = MU_NONE;
+    }
+    dispatch_sleep(b);
+    return false;
+}
+
+/* --- the network's answer --------------------------------------------------------------------- */
+
+/* @return the place that the last mail of a part came from, or MU_NONE */
+static uint32_t part_from(struct broker *b, const struct dispatch_part *part)
+{
+    const struct box *box = mailbox_box(&b->mailbox, part->agent);
+    uint32_t post = box->lists[POST_FLIGHT].tail;
+    return post != MU_NONE ? b->registry.agents[b->mailbox.posts[post].mail->sender].process
+                           : MU_NONE;
+}
+
+static void part_delivered(struct broker *b, const struct dispatch_part *part)
+{
+    receipts_drop(&b->receipts, part->agent, part->receipts);
+    if (part->verdict) {
+        b->registry.agents[part->agent].verdict_due = false;
+    }
+    if (!mailbox_is_begun(&b->mailbox, part->agent)) {
+        return;
+    }
+    uint32_t again = mailbox_mark_written(&b->mailbox, part->agent, part->parcels);
+    b->counters.resent += again;
+    mailbox_take_back(&b->mailbox, part->agent);
+    bool watched = mailbox_box(&b->mailbox, part->agent)->watched;
+    if (!b->dispatch.open_lockstep && part->parcels > 0 && (again > 0 || !watched)) {
+        mailbox_watch(&b->mailbox, part->agent, b->clock.now_ns);
+    }
+}
+
+static void delivery_count(struct dispatch *c, uint32_t parcels)
+{
+    c->worked = c->worked || !c->open_lockstep;
+    c->count.deliveries++;
+    c->count.parcels += parcels;
+    c->count.delay_ns += c->open_delay_ns;
+    if (parcels > c->count.most_parcels) {
+        c->count.most_parcels = parcels;
+    }
+}
+
+void dispatch_delivered(struct broker *b)
+{
+    struct dispatch *c = &b->dispatch;
+    MU_ASSERT(c->open != MU_NONE);
+    if (c->open_trip || c->open_glance) {
+        compose_end_word(b);
+        return;
+    }
+    if (c->open == PROCESSES_ALL) {
+        delivery_count(c, multicast_sent(b));
+        c->count.circulars++;
+        c->open = MU_NONE;
+        return;
+    }
+    struct process *at = &b->processes.at[c->open];
+    uint32_t parcels = 0, from = MU_NONE;
+    for (uint32_t i = 0; i < c->parts_count; i++) {
+        parcels += c->parts[i].parcels;
+        part_delivered(b, &c->parts[i]);
+        from = c->parts[i].parcels > 0 ? part_from(b, &c->parts[i]) : from;
+    }
+    compose_return(b, true);
+    delivery_count(c, parcels);
+    pacing_note_delivery(b, c->open, parcels, from);
+    at->serial++;
+    at->refusals_count = 0;
+    at->roll_call_due = false;
+    view_delivered(b, at);
+    if (c->open_version > at->version_had) {
+        at->version_had = c->open_version;
+    }
+    if (c->open_lockstep) {
+        at->step_due = false;
+        at->step_had = b->lockstep.step - 1;
+        if (at->simulator) {
+            barrier_told(b);
+        }
+    } else {
+        processes_wake(&b->processes, c->open); /* there may be more than one Delivery could hold */
+    }
+    c->open = MU_NONE;
+}
+
+void dispatch_undelivered(struct broker *b)
+{
+    struct dispatch *c = &b->dispatch;
+    MU_ASSERT(c->open != MU_NONE);
+    c->count.blocked++;
+    if (c->open == PROCESSES_ALL) {
+        multicast_unsent(b);
+        c->open = MU_NONE;
+        return;
+    }
+    for (uint32_t i = 0; i < c->parts_count; i++) {
+        mailbox_take_back(&b->mailbox, c->parts[i].agent);
+    }
+    compose_return(b, false);
+    c->open_trip = c->open_glance = false;
+    if (b->processes.blocked == 0) {
+        uint64_t now_ns = b->clock.now_ns;
+        c->retry_ns =
+            now_ns > UINT64_MAX - DISPATCH_RETRY_NS ? UINT64_MAX : now_ns + DISPATCH_RETRY_NS;
+    }
+    processes_set_blocked(&b->processes, c->open, true);
+    c->open = MU_NONE;
+}
+
+void dispatch_tick(struct broker *b)
+{
+    pacing_tick(b);
+    if (b->processes.blocked == 0 || b->dispatch.retry_ns > b->clock.now_ns) {
+        return;
+    }
+    for (uint32_t i = 0; i < b->processes.top; i++) {
+        if (b->processes.at[i].blocked) {
+            processes_set_blocked(&b->processes, i, false);
+            processes_wake(&b->processes, i);
+        }
+    }
+}
+
+uint64_t dispatch_deadline_ns(const struct broker *b)
+{
+    uint64_t wake_ns = b->dispatch.held > 0 ? b->dispatch.wake_ns : UINT64_MAX;
+    uint64_t retry_ns = b->processes.blocked > 0 ? b->dispatch.retry_ns : UINT64_MAX;
+    uint64_t flood_ns = pacing_deadline_ns(b);
+    retry_ns = flood_ns < retry_ns ? flood_ns : retry_ns;
+    return wake_ns < retry_ns ? wake_ns : retry_ns;
+}

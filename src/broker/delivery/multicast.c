@@ -1,0 +1,208 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/delivery/delivery.h"
+
+#include "broker/control/parts.h"
+#include "core/sort.h"
+
+void multicast_hears(struct broker *b, uint32_t place, bool hears)
+{
+    struct process *at = &b->processes.at[place];
+    b->multicast.hearers += (uint32_t)hears - (uint32_t)at->hears;
+    at->hears = hears;
+}
+
+void multicast_read_by(struct broker *b, uint32_t readers)
+{
+    b->multicast.readers = readers;
+}
+
+/* The first ones have gone out, or will go as any mail does. */
+static void waiting_drop(struct broker *b, uint32_t count)
+{
+    struct multicast *c = &b->multicast;
+    for (uint32_t i = 0; i < count; i++) {
+        pool_release(&b->pool, c->waiting[i]);
+    }
+    c->count -= count;
+    for (uint32_t i = 0; i < c->count; i++) {
+        c->waiting[i] = c->waiting[i + count];
+    }
+}
+
+/* --- whose boxes ------------------------------------------------------------------------------ */
+
+/* @return whether a place has nothing else to be told before */
+static bool place_is_ready(const struct broker *b, const struct process *at)
+{
+    bool is_there = at->hears && at->matched && !at->blocked;
+    bool is_alone = !at->rostered && !at->simulator && !at->is_broker;
+    return is_there && is_alone && !at->held && !at->roll_call_due && at->refusals_count == 0 &&
+           changelog_after(&b->registry.changes, at->version_had) == MU_NONE &&
+           view_has_told(b, at);
+}
+
+/* @return whether this is the next mail that its receiver gets, and may go to many at once */
+static bool post_is_ready(struct broker *b, uint32_t post)
+{
+    uint32_t agent = b->mailbox.posts[post].agent;
+    const struct agent *a = &b->registry.agents[agent];
+    return a->process != MU_NONE && place_is_ready(b, &b->processes.at[a->process]) && a->seated &&
+           !a->verdict_due && names_gate(b, agent) == GATE_OPEN && !barrier_awaits(b, agent) &&
+           mailbox_box(&b->mailbox, agent)->out == MU_NONE &&
+           mailbox_next_is(&b->mailbox, agent, b->mailbox.posts[post].mail);
+}
+
+static int box_compare(const void *x, const void *y, const void *context)
+{
+    (void)context;
+    const struct multicast_box *one = x, *other = y;
+    uint32_t a = one->seat != other->seat ? one->seat : one->agent;
+    uint32_t b = one->seat != other->seat ? other->seat : other->agent;
+    return (a > b) - (a < b);
+}
+
+/* Keeps the first few of each place. */
+static void boxes_bound(struct multicast *c)
+{
+    uint32_t kept = 0, same = 0;
+    c->places_count = 0;
+    for (uint32_t i = 0; i < c->boxes_count; i++) {
+        bool another = i == 0 || c->boxes[i].seat != c->boxes[i - 1].seat;
+        c->places_count += another;
+        same = another ? 1 : same + 1;
+        if (same <= BUS_CIRCULAR_BOXES) {
+            c->boxes[kept++] = c->boxes[i];
+        }
+    }
+    c->boxes_count = kept;
+}
+
+static void boxes_find(struct broker *b, const struct mail *m)
+{
+    struct multicast *c = &b->multicast;
+    c->boxes_count = 0;
+    for (uint32_t post = m->posts; post != MU_NONE && c->boxes_count < MULTICAST_BOXES;
+         post = b->mailbox.posts[post].sibling_next) {
+        if (post_is_ready(b, post)) {
+            uint32_t agent = b->mailbox.posts[post].agent;
+            uint32_t place = b->registry.agents[agent].process;
+            c->boxes[c->boxes_count++] = (struct multicast_box){
+                .agent = agent, .place = place, .seat = b->processes.at[place].seat};
+        }
+    }
+    mu_sort(c->boxes, c->boxes_count, sizeof c->boxes[0], box_compare, NULL);
+    boxes_bound(c);
+}
+
+/* --- putting together ------------------------------------------------------------------------- */
+
+/* Adds the waiting mail of that index, if it is next in each of the boxes, and no durable mail has
+ * taken it to the store.  @return whether it is */
+static bool letter_add(struct broker *b, uint32_t index, size_t *room)
+{
+    struct multicast *c = &b->multicast;
+    const struct mail *m = c->waiting[index];
+    bool fits = m->row == 0 && m->bytes <= *room && c->letters_count < BUS_CIRCULAR_LETTERS;
+    for (uint32_t i = 0; i < c->boxes_count && fits; i++) {
+        fits = mailbox_next_is(&b->mailbox, c->boxes[i].agent, m);
+    }
+    if (!fits) {
+        return false;
+    }
+    for (uint32_t i = 0; i < c->boxes_count; i++) {
+        mailbox_hand_next(&b->mailbox, c->boxes[i].agent, m);
+    }
+    *room -= m->bytes;
+    c->letters[c->letters_count++] = m->letter;
+    return true;
+}
+
+static void boxes_write(struct broker *b)
+{
+    struct multicast *c = &b->multicast;
+    for (uint32_t i = 0; i < c->boxes_count; i++) {
+        const struct multicast_box *to = &c->boxes[i];
+        const struct box *box = mailbox_box(&b->mailbox, to->agent);
+        c->seats[i] = to->seat;
+        c->serials[i] = b->processes.at[to->place].serial + 1;
+        c->slots[i] = b->registry.agents[to->agent].resident.slot;
+        c->numbers[i] = box->acked + box->written + 1;
+    }
+}
+
+static void multicast_write(struct broker *b, muster_Delivery *d)
+{
+    struct multicast *c = &b->multicast;
+    uint32_t boxes = c->boxes_count;
+    *d = (muster_Delivery){
+        .broker = b->name, .broker_incarnation = b->incarnation, .step = muster_STEP_NOW};
+    d->process = sample_text(BUS_TO_ALL);
+    boxes_write(b);
+    d->seats._buffer = c->seats;
+    d->serials._buffer = c->serials;
+    d->slots._buffer = c->slots;
+    d->numbers._buffer = c->numbers;
+    d->letters._buffer = c->letters;
+    d->seats._length = d->seats._maximum = boxes;
+    d->serials._length = d->serials._maximum = boxes;
+    d->slots._length = d->slots._maximum = boxes;
+    d->numbers._length = d->numbers._maximum = boxes;
+    d->letters._length = d->letters._maximum = c->letters_count;
+}
+
+/* @return whether the first mail that waits goes out so, and whatever follows it everywhere */
+static bool multicast_begin(struct broker *b)
+{
+    struct multicast *c = &b->multicast;
+    size_t room = MULTICAST_BYTES;
+    boxes_find(b, c->waiting[0]);
+    c->letters_count = 0;
+    uint32_t all = c->hearers > c->readers ? c->hearers : c->readers;
+    bool worth = c->places_count >= MULTICAST_PLACES_MIN && 2 * c->places_count >= all;
+    while (worth && c->letters_count < c->count && letter_add(b, c->letters_count, &room)) {
+    }
+    return c->letters_count > 0;
+}
+
+bool multicast_next(struct broker *b, muster_Delivery *d)
+{
+    struct multicast *c = &b->multicast;
+    if (b->clock.now_ns < c->retry_ns) {
+        waiting_drop(b, c->count);
+    }
+    while (c->count > 0) {
+        if (multicast_begin(b)) {
+            multicast_write(b, d);
+            return true;
+        }
+        waiting_drop(b, 1);
+    }
+    return false;
+}
+
+/* --- the network's answer --------------------------------------------------------------------- */
+
+uint32_t multicast_sent(struct broker *b)
+{
+    struct multicast *c = &b->multicast;
+    for (uint32_t i = 0; i < c->boxes_count; i++) {
+        uint32_t agent = c->boxes[i].agent;
+        uint32_t again = mailbox_mark_written(&b->mailbox, agent, c->letters_count);
+        MU_ASSERT(again == 0);
+        if (!mailbox_box(&b->mailbox, agent)->watched) {
+            mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
+        }
+        b->processes.at[c->boxes[i].place].serial = c->serials[i];
+    }
+    waiting_drop(b, c->letters_count);
+    return c->boxes_count * c->letters_count;
+}
+
+void multicast_unsent(struct broker *b)
+{
+    struct multicast *c = &b->multicast;
+    for (uint32_t i = 0; i < c->boxes_count; i++) {
+        mailbox_take_back(&b->mailbox, c->boxes[i].agent);
+    }
+    c->retry_ns = b->clock.now_ns + MULTICAST_PAUSE_NS;
+}

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/delivery/delivery.h"
+
+#include "broker/control/parts.h"
+
+void pacing_note_speaker(struct broker *b, uint32_t place)
+{
+    struct pacing_speaker *s = b->pacing.speakers;
+    uint32_t i = 0;
+    while (i < PACING_SPEAKERS - 1 && (s[i].place != place || s[i].spoke_ns == 0)) {
+        i++;
+    }
+    for (; i > 0; i--) {
+        s[i] = s[i - 1];
+    }
+    s[0] = (struct pacing_speaker){.place = place, .spoke_ns = b->clock.now_ns};
+}
+
+/* @return whether anybody but the two ends of a flood has mail under way */
+static bool disturbs(const struct broker *b, uint32_t place)
+{
+    bool found = false;
+    for (uint32_t i = 0; i < PACING_SPEAKERS && !found; i++) {
+        const struct pacing_speaker *s = &b->pacing.speakers[i];
+        bool speaks = s->spoke_ns > 0 && b->clock.now_ns - s->spoke_ns < PACING_QUIET_NS;
+        found = speaks && s->place != place && s->place != b->processes.at[place].flooded_from;
+    }
+    return found;
+}
+
+static bool is_flooded(const struct broker *b, uint32_t place)
+{
+    const struct process *at = &b->processes.at[place];
+    bool is_one = !at->rostered && !at->simulator && !at->is_broker;
+    return at->flooded && is_one && disturbs(b, place);
+}
+
+uint32_t pacing_room(const struct broker *b, uint32_t place)
+{
+    return is_flooded(b, place) ? PACING_MAILS : MU_WINDOW_MAX;
+}
+
+bool pacing_hold(struct broker *b, uint32_t place)
+{
+    struct pacing *f = &b->pacing;
+    struct process *at = &b->processes.at[place];
+    bool holds = b->clock.now_ns < at->flooded_until_ns && is_flooded(b, place);
+    if (holds && !at->flood_queued) {
+        at->flood_queued = true;
+        at->flood_wake_ns = at->flooded_until_ns;
+        f->ring[(f->head + f->count++) % MU_PROCESSES_MAX] = place;
+    }
+    return holds;
+}
+
+void pacing_note_delivery(struct broker *b, uint32_t place, uint32_t mails, uint32_t from)
+{
+    struct process *at = &b->processes.at[place];
+    at->flooded = mails >= PACING_MANY;
+    at->flooded_from = from;
+    at->flooded_until_ns = b->clock.now_ns + PACING_PAUSE_NS;
+}
+
+void pacing_tick(struct broker *b)
+{
+    struct pacing *f = &b->pacing;
+    while (pacing_deadline_ns(b) <= b->clock.now_ns) {
+        uint32_t place = f->ring[f->head];
+        f->head = (f->head + 1) % MU_PROCESSES_MAX;
+        f->count--;
+        b->processes.at[place].flood_queued = false;
+        processes_wake(&b->processes, place);
+    }
+}
+
+uint64_t pacing_deadline_ns(const struct broker *b)
+{
+    const struct pacing *f = &b->pacing;
+    return f->count ? b->processes.at[f->ring[f->head]].flood_wake_ns : UINT64_MAX;
+}

@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/mail/mail.h"
+
+#include "broker/control/parts.h"
+#include "core/address.h"
+#include "core/sort.h"
+
+#include <string.h>
+
+bool deliver_book(struct broker *b, struct mail *m, struct recipients *to)
+{
+    to->veiled = 0;
+    for (uint32_t i = 0; i < to->count; i++) {
+        to->veiled += recipients_veils(b, m, to->agents[i]);
+    }
+    if (ledger_charge(b, m, to->count - to->veiled)) {
+        if (to->veiled > 0 && !ledger_charge_veiled(b, m, to->veiled)) {
+            recipients_unveil(b, m, to);
+        }
+        return true;
+    }
+    b->counters.box_full += to->veiled; /* the others have been counted */
+    outcome_refuse(b, m, to->unknown, muster_OUTCOME_BOX_FULL);
+    return false;
+}
+
+/* --- one box ---------------------------------------------------------------------------------- */
+
+/* A mail goes out of a box to make room. */
+static void post_drop(struct broker *b, uint32_t victim, uint32_t agent)
+{
+    struct mail *m = b->mailbox.posts[victim].mail;
+    mailbox_withdraw(&b->mailbox, victim);
+    b->counters.dropped++;
+    ledger_alert(b, ALERT_DROPPED, agent, m->sender);
+    m->dropped = true;
+    outcome_settle(b, m);
+}
+
+/* Puts it into one box.  @return false when that has no room for it */
+static bool post_put(struct broker *b, struct mail *m, uint32_t agent, bool held)
+{
+    uint32_t victim = MU_NONE;
+    if (!mailbox_is_begun(&b->mailbox, agent)) {
+        names_tell_number(b, agent);
+    }
+    enum mailbox_room room = mailbox_room_ask(&b->mailbox, agent, m, &victim);
+    for (; room == MAILBOX_ROOM_DROP; room = mailbox_room_ask(&b->mailbox, agent, m, &victim)) {
+        post_drop(b, victim, agent);
+    }
+    if (room != MAILBOX_ROOM_FITS || mailbox_put(&b->mailbox, agent, m, held) != MU_OK) {
+        ledger_refused(b, m, agent, room == MAILBOX_ROOM_OVER_SHARE ? QUOTA_OVER : QUOTA_FULL, 1);
+        return false;
+    }
+    b->counters.waiting++;
+    m->unsettled++;
+    if (recipients_veils(b, m, agent)) {
+        mailbox_veil(&b->mailbox, m);
+    }
+    residents_wake(&b->registry, &b->processes, agent);
+    return true;
+}
+
+/* --- all of them ------------------------------------------------------------------------------ */
+
+bool deliver_is_held(const struct broker *b, const struct mail *m)
+{
+    return m->letter.due_ns >= 0 &&
+           (!b->clock.runs || (uint64_t)m->letter.due_ns > clock_run_ns(&b->clock));
+}
+
+void deliver_schedule(struct broker *b, struct mail *m, bool held, uint64_t left_ns)
+{
+    uint64_t now_ns = clock_mail_ns(&b->clock);
+    arrivals_add(&b->arrivals, m, now_ns);
+    if (held) {
+        m->at_ns[TIMERS_DUE] = (uint64_t)m->letter.due_ns;
+        timers_add(&b->due, m);
+    }
+    if (m->letter.ttl_ns > 0 && now_ns + left_ns >= now_ns) {
+        m->at_ns[TIMERS_EXPIRY] = now_ns + left_ns;
+        timers_add(&b->expiry, m);
+    }
+}
+
+/* What its sender is told at once.  fits: into each box that he may know of; stored: some of them
+ * are for those who do not take mail now */
+static void sender_answer(struct broker *b, struct mail *m, const struct recipients *to, bool fits,
+                          bool stored)
+{
+    bool is_ram = m->letter.level == muster_LEVEL_RAM;
+    if (to->refused > 0) {
+        outcome_end(b, m, muster_OUTCOME_REFUSED);
+    } else if (to->unknown > 0) {
+        outcome_end(b, m, muster_OUTCOME_UNKNOWN_NAME);
+    } else if (!fits) {
+        outcome_end(b, m, muster_OUTCOME_BOX_FULL);
+    } else if (to->veiled > 0 && (m->unsettled == 0 || is_ram)) {
+        outcome_end(b, m, muster_OUTCOME_STORED);
+    } else if (to->veiled > 0) {
+        m->stored_ends_it = m->tell_stored = true;
+    } else if (m->unsettled == 0) {
+        outcome_end(b, m, muster_OUTCOME_DELIVERED);
+    } else if (stored && !is_ram) {
+        m->tell_stored = true; /* when it is */
+    } else if (stored) {
+        outcome_stored(b, m);
+    }
+}
+
+struct delivered deliver_put(struct broker *b, struct mail *m, const struct recipients *to)
+{
+    struct delivered done = {.held = deliver_is_held(b, m), .fits = true};
+    done.stored = done.held;
+    enum mailbox_gate needs = m->letter.layer == 0 ? GATE_URGENT : GATE_OPEN;
+    for (uint32_t i = 0; i < to->count; i++) {
+        uint32_t agent = to->agents[i];
+        if (registry_is_own(agent)) {
+            continue;
+        }
+        if (!post_put(b, m, agent, done.held)) {
+            done.fits = done.fits && recipients_veils(b, m, agent);
+        } else {
+            done.stored = done.stored || names_gate(b, agent) < needs;
+        }
+    }
+    ledger_settle(b, m);
+    pool_keep(m); /* what a desk answers may drop it from all boxes again */
+    if (m->unsettled == 0) {
+        pool_release(&b->pool, m);
+    } else {
+        deliver_schedule(b, m, done.held, m->letter.ttl_ns);
+        journal_put(b, m);
+        deliver_note_multicast(b, m);
+    }
+    return done;
+}
+
+void deliver_conclude(struct broker *b, struct mail *m, const struct recipients *to,
+                      const struct delivered *done)
+{
+    sender_answer(b, m, to, done->fits, done->stored);
+    pool_release(&b->pool, m);
+}
+
+void deliver_note_multicast(struct broker *b, struct mail *m)
+{
+    struct multicast *c = &b->multicast;
+    bool may = m->letter.level == muster_LEVEL_RAM && m->unsettled >= MULTICAST_PLACES_MIN &&
+               b->dispatch.interval_ns == 0 && !names_in_lockstep(b, m->sender);
+    if (may && c->hearers >= MULTICAST_PLACES_MIN && c->count < MULTICAST_WAITING) {
+        pool_keep(m);
+        c->waiting[c->count++] = m;
+    }
+}
+
+void deliver_send(struct broker *b, uint32_t receiver, const muster_Mail *letter)
+{
+    struct recipients to;
+    to.count = 1;
+    to.unknown = to.refused = 0;
+    to.agents[0] = receiver;
+    struct mail *m = pool_put(&b->pool, letter);
+    b->counters.sent++;
+    if (!m) {
+        b->counters.box_full++;
+        ledger_alert(b, ALERT_BOX_FULL, REGISTRY_BROKER, REGISTRY_BROKER);
+        return;
+    }
+    m->sender = REGISTRY_BROKER;
+    m->payer = receiver; /* who asks much must not use up what answers to others need */
+    m->order = ++b->orders;
+    if (deliver_book(b, m, &to)) {
+        struct delivered done = deliver_put(b, m, &to);
+        deliver_conclude(b, m, &to, &done);
+    }
+}
+
+bool deliver_restore(struct broker *b, struct mail *m, const char *waiting, uint64_t left_ns)
+{
+    struct recipients to = {.count = 0};
+    recipients_of_names(b, waiting, m->sender, &to);
+    m->order = ++b->orders;
+    bool held = deliver_is_held(b, m);
+    b->counters.sent += to.count;
+    /* It had its room: its sender's share, and the limits of boxes, do not take that. */
+    if (to.count == 0 || !ledger_restore(b, m, to.count)) {
+        b->counters.box_full += to.count;
+        pool_release(&b->pool, m);
+        return false;
+    }
+    for (uint32_t i = 0; i < to.count; i++) {
+        if (mailbox_put(&b->mailbox, to.agents[i], m, held) == MU_OK) {
+            b->counters.waiting++;
+            m->unsettled++;
+        } else {
+            b->counters.box_full++;
+        }
+    }
+    ledger_settle(b, m);
+    if (m->unsettled == 0) {
+        pool_release(&b->pool, m);
+        return false;
+    }
+    deliver_schedule(b, m, held, left_ns);
+    return true;
+}

@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/mail/mail.h"
+
+#include "broker/control/parts.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+void probes_init(struct probes *g)
+{
+    for (uint32_t i = 0; i < MU_GLANCES_MAX; i++) {
+        g->at[i].text = mu_startup_alloc(MU_GLANCE_BYTES_MAX);
+    }
+}
+
+/* --- words ------------------------------------------------------------------------------------ */
+
+/* Of one word too many nobody hears: its asker waits for as long as it wants to.
+ * @return whether it will be heard */
+static bool word_say(struct broker *b, const struct probes_word *word)
+{
+    struct probes *g = &b->probes;
+    if (g->words_count == PROBES_WORDS) {
+        g->lost++;
+        return false;
+    }
+    g->words[g->words_count++] = *word;
+    processes_wake(&b->processes, word->place);
+    return true;
+}
+
+static void glance_free(struct probes *g, struct probe *probe)
+{
+    probe->used = false;
+    g->count--;
+}
+
+/* A probe whose word is lost would be kept for nobody. */
+static void word_of(struct broker *b, struct probe *probe, uint32_t place, muster_GlanceWord word)
+{
+    bool said = word_say(b, &(struct probes_word){.place = place,
+                                                  .word = word,
+                                                  .probe = (uint32_t)(probe - b->probes.at),
+                                                  .asker = probe->asker,
+                                                  .agent = probe->agent,
+                                                  .number = probe->number});
+    if (!said) {
+        glance_free(&b->probes, probe);
+    }
+}
+
+static void word_remove(struct probes *g, uint32_t i)
+{
+    g->words_count--;
+    memmove(&g->words[i], &g->words[i + 1], (g->words_count - i) * sizeof g->words[0]);
+}
+
+bool probes_next(struct broker *b, uint32_t place, muster_Glance *out)
+{
+    struct probes *g = &b->probes;
+    uint32_t i = 0;
+    while (i < g->words_count && g->words[i].place != place) {
+        i++;
+    }
+    if (i == g->words_count) {
+        return false;
+    }
+    const struct probes_word *w = &g->words[i];
+    bool has_text = w->probe != MU_NONE && w->word != muster_GLANCE_DECLINED;
+    g->open = i;
+    *out = (muster_Glance){.word = w->word, .number = w->number};
+    out->asker = sample_text(b->registry.agents[w->asker].name);
+    out->agent = sample_text(b->registry.agents[w->agent].name);
+    out->text = sample_text(has_text ? g->at[w->probe].text : "");
+    return true;
+}
+
+void probes_sent(struct broker *b)
+{
+    struct probes *g = &b->probes;
+    const struct probes_word *w = &g->words[g->open];
+    if (w->word != muster_GLANCE_ASK && w->probe != MU_NONE) {
+        glance_free(g, &g->at[w->probe]);
+    }
+    word_remove(g, g->open);
+}
+
+/* --- questions -------------------------------------------------------------------------------- */
+
+/* @return a free place; NULL: there is none, or the asker's process has its share */
+static struct probe *glance_take(struct probes *g, uint32_t from)
+{
+    struct probe *free = NULL;
+    uint32_t own = 0;
+    for (uint32_t i = 0; i < MU_GLANCES_MAX; i++) {
+        free = g->at[i].used || free ? free : &g->at[i];
+        own += g->at[i].used && g->at[i].from == from;
+    }
+    return own < MU_GLANCES_EACH ? free : NULL;
+}
+
+/* @return the place at which somebody can be asked; MU_NONE: there is none */
+static uint32_t place_of(const struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    bool there = a->process != MU_NONE && !a->gone && a->is.state != muster_STATE_MOVING;
+    return there && !b->processes.at[a->process].is_broker ? a->process : MU_NONE;
+}
+
+static void ask_take(struct broker *b, uint32_t from, uint32_t asker, const muster_Glance *asked)
+{
+    struct probes *g = &b->probes;
+    uint32_t agent = registry_find(&b->registry, asked->agent);
+    uint32_t to = agent != MU_NONE ? place_of(b, agent) : MU_NONE;
+    struct probe *probe = to != MU_NONE ? glance_take(g, from) : NULL;
+    if (!probe || !guard_glances(b, asker, agent, asked->text)) {
+        g->declined++;
+        (void)word_say(b, &(struct probes_word){.place = from,
+                                                .word = muster_GLANCE_DECLINED,
+                                                .probe = MU_NONE,
+                                                .asker = asker,
+                                                .agent = agent != MU_NONE ? agent : asker,
+                                                .number = asked->number});
+        return;
+    }
+    *probe = (struct probe){.used = true,
+                            .asker = asker,
+                            .agent = agent,
+                            .number = asked->number,
+                            .from = from,
+                            .to = to,
+                            .text = probe->text};
+    memcpy(probe->text, asked->text, strlen(asked->text) + 1);
+    g->count++;
+    g->asked++;
+    word_of(b, probe, to, muster_GLANCE_ASK);
+}
+
+/* --- answers ---------------------------------------------------------------------------------- */
+
+static void glance_answer(struct broker *b, struct probe *probe, muster_GlanceWord word)
+{
+    b->probes.declined += word == muster_GLANCE_DECLINED;
+    probe->to = MU_NONE;
+    word_of(b, probe, probe->from, word);
+}
+
+static void answer_take(struct broker *b, uint32_t place, uint32_t asker,
+                        const muster_Glance *answer)
+{
+    struct probes *g = &b->probes;
+    for (uint32_t i = 0; i < MU_GLANCES_MAX; i++) {
+        struct probe *probe = &g->at[i];
+        if (probe->used && probe->to == place && probe->asker == asker &&
+            probe->number == answer->number) {
+            memcpy(probe->text, answer->text, strlen(answer->text) + 1);
+            glance_answer(b, probe, answer->word);
+            return;
+        }
+    }
+}
+
+void probes_hear(struct broker *b, uint32_t place, const muster_Glance *probe)
+{
+    uint32_t asker = registry_find(&b->registry, probe->asker);
+    if (asker == MU_NONE) {
+        b->counters.malformed++;
+    } else if (probe->word != muster_GLANCE_ASK) {
+        answer_take(b, place, asker, probe);
+    } else if (b->registry.agents[asker].process == place) {
+        ask_take(b, place, asker, probe);
+    } else {
+        b->counters.malformed++; /* in the name of somebody else */
+    }
+}
+
+/* --- ends ------------------------------------------------------------------------------------- */
+
+/* Nothing is to be told to a process, or of a probe, that is no more. */
+static void words_drop(struct probes *g, uint32_t place, uint32_t probe)
+{
+    for (uint32_t i = g->words_count; i > 0; i--) {
+        const struct probes_word *w = &g->words[i - 1];
+        if (w->place == place || (probe != MU_NONE && w->probe == probe)) {
+            word_remove(g, i - 1);
+        }
+    }
+}
+
+void probes_gone(struct broker *b, uint32_t place)
+{
+    struct probes *g = &b->probes;
+    if (g->count == 0 && g->words_count == 0) {
+        return;
+    }
+    words_drop(g, place, MU_NONE);
+    for (uint32_t i = 0; i < MU_GLANCES_MAX; i++) {
+        struct probe *probe = &g->at[i];
+        if (probe->used && probe->from == place) {
+            words_drop(g, place, i);
+            glance_free(g, probe);
+        } else if (probe->used && probe->to == place) {
+            glance_answer(b, probe, muster_GLANCE_DECLINED);
+        }
+    }
+}

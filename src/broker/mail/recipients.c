@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/mail/mail.h"
+
+#include "broker/control/parts.h"
+#include "core/address.h"
+#include "core/fields.h"
+#include "core/name.h"
+
+#include <string.h>
+
+bool recipients_veils(const struct broker *b, const struct mail *m, uint32_t agent)
+{
+    return !registry_is_own(agent) && names_in_lockstep(b, m->sender) &&
+           !names_in_lockstep(b, agent);
+}
+
+void recipients_unveil(const struct broker *b, const struct mail *m, struct recipients *to)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < to->count; i++) {
+        if (!recipients_veils(b, m, to->agents[i])) {
+            to->agents[kept++] = to->agents[i];
+        }
+    }
+    to->count = kept;
+}
+
+/* --- by name ---------------------------------------------------------------------------------- */
+
+/* Who is in the lock step does not see the broker's parts. */
+static bool is_hidden(const struct broker *b, uint32_t agent, uint32_t sender)
+{
+    return agent != REGISTRY_BROKER && registry_is_own(agent) && names_in_lockstep(b, sender);
+}
+
+void recipients_of_names(struct broker *b, const char *names, uint32_t sender,
+                         struct recipients *to)
+{
+    char name[MU_NAME_MAX + 1];
+    uint64_t mark = ++b->registry.mark;
+    while (*names && mu_address_next(&names, name)) {
+        uint32_t agent = registry_find(&b->registry, name);
+        if (agent == MU_NONE || is_hidden(b, agent, sender)) {
+            to->unknown++;
+        } else if (b->registry.agents[agent].mark != mark) {
+            b->registry.agents[agent].mark = mark;
+            to->agents[to->count++] = agent;
+        }
+    }
+}
+
+void recipients_of_answer(struct broker *b, const char *names, uint32_t sender,
+                          struct recipients *to)
+{
+    char name[MU_NAME_MAX + 1];
+    struct mu_text read;
+    uint64_t mark = ++b->registry.mark;
+    bool open = !b->lockstep.on || b->lockstep.applying;
+    mu_text_init(&read, name, sizeof name);
+    to->count = to->refused = 0;
+    while (mu_fields_next(&names, &read) || read.cut) {
+        uint32_t agent = read.cut ? MU_NONE : registry_find(&b->registry, name);
+        if (agent != MU_NONE && agent != sender && !registry_is_own(agent) &&
+            b->registry.agents[agent].mark != mark && (open || !names_in_lockstep(b, agent))) {
+            b->registry.agents[agent].mark = mark;
+            to->agents[to->count++] = agent;
+        }
+    }
+    to->unknown = to->count == 0 ? 1 : 0;
+}
+
+/* --- by group --------------------------------------------------------------------------------- */
+
+/* Members of a group who are in the lock step, or who are not.  Who is one of the former is for
+ * those inside to say, whatever another broker has said meanwhile. */
+static void recipients_of_members(struct broker *b, const char *group, bool inside, uint32_t sender,
+                                  struct recipients *to)
+{
+    uint32_t place = 0;
+    for (const char *name; (name = groups_member(&b->pages.groups, group, inside, &place));) {
+        uint32_t agent = registry_find(&b->registry, name);
+        if (agent != MU_NONE && agent != sender && view_inside(b, agent) == inside) {
+            to->agents[to->count++] = agent;
+        }
+    }
+}
+
+/* The members of a group, the absent ones, too.  Members of the lock step know no other groups than
+ * those that are seen inside. */
+static void recipients_of_group(struct broker *b, const char *group, uint32_t sender,
+                                struct recipients *to)
+{
+    if (!groups_exists(&b->pages.groups, group, view_inside(b, sender))) {
+        to->unknown++;
+        return;
+    }
+    if (b->lockstep.on) {
+        recipients_of_members(b, group, true, sender, to);
+    }
+    recipients_of_members(b, group, false, sender, to);
+}
+
+/* --- by kind ------------------------------------------------------------------------------- */
+
+static bool kind_is_addressed(enum mu_address_kind kind, muster_Kind of)
+{
+    return kind == MU_ADDRESS_ALL || (kind == MU_ADDRESS_ROBOTS && of == muster_KIND_ROBOT) ||
+           (kind == MU_ADDRESS_SPECIAL && of == muster_KIND_SPECIAL);
+}
+
+/* A broadcast from inside the lock step does not go beyond the broker: who is there is known by
+ * the wall clock. */
+static bool is_too_far(const struct broker *b, uint32_t agent, uint32_t sender)
+{
+    return names_is_beyond(b, agent) && names_in_lockstep(b, sender);
+}
+
+void recipients_of_letter(struct broker *b, const muster_Mail *letter, uint32_t sender,
+                          struct recipients *to)
+{
+    to->count = to->unknown = to->refused = 0;
+    enum mu_address_kind kind = mu_address_kind(letter->dst);
+    if (kind == MU_ADDRESS_NAMES) {
+        recipients_of_names(b, letter->dst, sender, to);
+        return;
+    }
+    if (kind == MU_ADDRESS_GROUP) {
+        recipients_of_group(b, mu_address_rest(letter->dst), sender, to);
+        return;
+    }
+    if (kind == MU_ADDRESS_SCHEME) {
+        to->unknown += !view_has_resolver(b, letter->dst);
+        return;
+    }
+    for (uint32_t i = 0; i < b->registry.count; i++) {
+        uint32_t agent = b->registry.order[i];
+        const struct agent *a = &b->registry.agents[agent];
+        if (!registry_is_own(agent) && agent != sender && a->process != MU_NONE &&
+            kind_is_addressed(kind, a->is.kind) &&
+            !(kind == MU_ADDRESS_ALL && a->is.no_broadcasts && letter->layer != 0) &&
+            !is_too_far(b, agent, sender)) {
+            to->agents[to->count++] = agent;
+        }
+    }
+}
+
+/* Whether somebody may speak for an agent is for that agent's own broker to say: a change in the
+ * name of one who lives beyond another broker goes there, as his mail does.
+ * @return who gets it */
+static uint32_t desk_of(const struct broker *b, const struct mail *m)
+{
+    uint32_t agent = recipients_named(b, m);
+    bool is_elsewhere = agent != MU_NONE && agent != m->sender && names_is_beyond(b, agent) &&
+                        !view_inside(b, m->sender);
+    return is_elsewhere ? agent : REGISTRY_BROKER;
+}
+
+void recipients_of_mail(struct broker *b, const struct mail *m, struct recipients *to)
+{
+    bool is_question = m->letter.layer == 2 && strcmp(m->letter.dst, "broker") == 0;
+    if (m->only == MU_NONE && !is_question) {
+        recipients_of_letter(b, &m->letter, m->sender, to);
+        return;
+    }
+    to->unknown = to->refused = 0;
+    to->count = 1;
+    to->agents[0] = is_question ? desk_of(b, m) : m->only;
+}
+
+/* The verbs of questions and changes. */
+static const struct {
+    const char *performative;
+    unsigned names; /* which of its fields, from 1, names an agent whom it changes; 0: none */
+} verbs[VERB_VERBS] = {
+    [VERB_LOOKUP] = {"lookup", 0},
+    [VERB_LISTING] = {"listing", 0},
+    [VERB_GROUPS] = {"groups", 0},
+    [VERB_MEMBERS] = {"members", 0},
+    [VERB_GROUP_CREATE] = {"group-create", 0},
+    [VERB_GROUP_JOIN] = {"group-join", 2},
+    [VERB_GROUP_LEAVE] = {"group-leave", 2},
+    [VERB_ADVERTISE] = {"advertise", 4},
+    [VERB_WITHDRAW] = {"withdraw", 2},
+    [VERB_FIND_SERVICE] = {"find-service", 0},
+    [VERB_SUBSCRIBE] = {"subscribe", 0},
+    [VERB_UNSUBSCRIBE] = {"unsubscribe", 0},
+};
+
+enum recipients_verb recipients_verb(const struct mail *question)
+{
+    enum recipients_verb verb = 0;
+    while (verb < VERB_VERBS &&
+           (question->letter.layer != 2 ||
+            strcmp(question->letter.performative, verbs[verb].performative) != 0)) {
+        verb++;
+    }
+    return verb;
+}
+
+uint32_t recipients_named(const struct broker *b, const struct mail *question)
+{
+    enum recipients_verb verb = recipients_verb(question);
+    unsigned names = verb < VERB_VERBS ? verbs[verb].names : 0;
+    const char *content = question->letter.content;
+    char name[MU_NAME_MAX + 1];
+    struct mu_text read;
+    bool whole = false;
+    mu_text_init(&read, name, sizeof name);
+    for (unsigned i = 0; i < names; i++) {
+        whole = mu_fields_next(&content, &read);
+        if (!whole && !read.cut) {
+            return MU_NONE;
+        }
+    }
+    return whole ? registry_find(&b->registry, name) : MU_NONE;
+}
+
+bool recipients_has_member_change(const struct broker *b, const struct mail *question)
+{
+    uint32_t agent = recipients_named(b, question);
+    return agent != MU_NONE && view_inside(b, agent);
+}

@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/names/names.h"
+
+#include "core/text.h"
+#include "core/utf8.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+void processes_init(struct processes *p)
+{
+    *p = (struct processes){0};
+    p->at = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->at);
+    p->unmatched = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->unmatched);
+    p->queue = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->queue);
+    mu_table_init(&p->names, MU_PROCESSES_MAX);
+}
+
+uint32_t processes_find(const struct processes *p, const char *name)
+{
+    return mu_table_find(&p->names, name);
+}
+
+static bool place_is_needed(const struct process *at)
+{
+    return at->agents_count > 0 || at->claims > 0 || at->rostered || at->simulator || at->matched ||
+           at->speaks || (at->is_broker && !at->lost);
+}
+
+/* Somebody who was turned down and never met: makes way only when its place is wanted. */
+static bool place_is_spare(const struct process *at)
+{
+    return !at->used || !place_is_needed(at);
+}
+
+static void unmatched_add(struct processes *p, uint32_t place)
+{
+    p->at[place].unmatched_at = p->unmatched_count;
+    p->unmatched[p->unmatched_count++] = place;
+}
+
+/* The last one takes its entry. */
+static void unmatched_remove(struct processes *p, uint32_t place)
+{
+    uint32_t entry = p->at[place].unmatched_at, last = p->unmatched[--p->unmatched_count];
+    p->unmatched[entry] = last;
+    p->at[last].unmatched_at = entry;
+}
+
+static void place_forget(struct processes *p, uint32_t place)
+{
+    struct process *at = &p->at[place];
+    bool gone = mu_table_remove(&p->names, at->name) == MU_OK;
+    MU_ASSERT(gone && !at->matched);
+    processes_set_blocked(p, place, false);
+    at->used = false;
+    p->used_count--;
+    unmatched_remove(p, place);
+}
+
+static uint32_t place_free(struct processes *p)
+{
+    if (p->used_count < p->top || p->top == MU_PROCESSES_MAX) {
+        for (uint32_t i = 0; i < p->top; i++) {
+            if (!p->at[i].used) {
+                return i;
+            }
+        }
+        for (uint32_t i = 0; i < p->top; i++) {
+            if (place_is_spare(&p->at[i])) {
+                place_forget(p, i);
+                return i;
+            }
+        }
+        return MU_NONE;
+    }
+    return p->top++;
+}
+
+uint32_t processes_get(struct processes *p, const char *name)
+{
+    uint32_t place = processes_find(p, name);
+    if (place != MU_NONE) {
+        return place;
+    }
+    place = place_free(p);
+    if (place == MU_NONE) {
+        return MU_NONE;
+    }
+    struct process *at = &p->at[place];
+    bool queued = at->queued; /* an earlier process left it in the queues: it stays there */
+    bool flood_queued = at->flood_queued;
+    *at = (struct process){.used = true,
+                           .queued = queued,
+                           .flood_queued = flood_queued,
+                           .step_had = INT64_MIN,
+                           .seat = ++p->seats};
+    bool fits = mu_text_copy(at->name, sizeof at->name, name);
+    MU_ASSERT(fits && mu_table_put(&p->names, at->name, place) == MU_OK);
+    p->used_count++;
+    unmatched_add(p, place);
+    return place;
+}
+
+void processes_tidy(struct processes *p, uint32_t place)
+{
+    struct process *at = &p->at[place];
+    if (at->used && !place_is_needed(at) && at->refusals_count == 0) {
+        place_forget(p, place);
+    }
+}
+
+void processes_set_matched(struct processes *p, uint32_t place, bool matched)
+{
+    struct process *at = &p->at[place];
+    if (matched && !at->matched) {
+        unmatched_remove(p, place);
+    } else if (!matched && at->matched) {
+        unmatched_add(p, place);
+    }
+    at->matched = matched;
+    processes_set_blocked(p, place, false);
+}
+
+/* What is no UTF-8 would break whoever reads the answer. */
+static void refusal_name(char to[MU_PROCESS_MAX + 1], const char *name)
+{
+    struct mu_text t;
+    uint32_t code;
+    mu_text_init(&t, to, MU_PROCESS_MAX + 1);
+    for (size_t len; (len = mu_utf8_next(name, &code)) > 0; name += len) {
+        bool broken = code == MU_UTF8_BROKEN && len == 1;
+        if (t.len + len > MU_PROCESS_MAX) {
+            break;
+        }
+        mu_text_add_bytes(&t, broken ? "?" : name, len);
+    }
+}
+
+void processes_refuse(struct processes *p, uint32_t place, const char *name, muster_Refusal code,
+                      const char *reason)
+{
+    struct process *at = &p->at[place];
+    char cut[MU_PROCESS_MAX + 1];
+    refusal_name(cut, name);
+    uint32_t i = 0;
+    while (i < at->refusals_count && strcmp(at->refusals[i].name, cut) != 0) {
+        i++;
+    }
+    processes_wake(p, place);
+    if (i == PROCESSES_REFUSALS) {
+        at->roll_call_due = true; /* it asks again when it has heard of these */
+        return;
+    }
+    memcpy(at->refusals[i].name, cut, sizeof cut);
+    at->refusals[i].code = code;
+    at->refusals[i].reason = reason;
+    at->refusals_count += i == at->refusals_count;
+}
+
+void processes_accept(struct processes *p, uint32_t place, const char *name)
+{
+    struct process *at = &p->at[place];
+    for (uint32_t i = 0; i < at->refusals_count; i++) {
+        if (strcmp(at->refusals[i].name, name) == 0) {
+            at->refusals[i] = at->refusals[--at->refusals_count];
+            return;
+        }
+    }
+}
+
+void processes_wake(struct processes *p, uint32_t place)
+{
+    if (!p->at[place].queued) {
+        p->at[place].queued = true;
+        p->queue[(p->queue_head + p->queue_count++) % MU_PROCESSES_MAX] = place;
+    }
+}
+
+uint32_t processes_next(struct processes *p)
+{
+    if (p->queue_count == 0) {
+        return MU_NONE;
+    }
+    uint32_t place = p->queue[p->queue_head];
+    p->queue_head = (p->queue_head + 1) % MU_PROCESSES_MAX;
+    p->queue_count--;
+    p->all_awake = false;
+    p->at[place].queued = false;
+    return place;
+}
+
+void processes_set_blocked(struct processes *p, uint32_t place, bool blocked)
+{
+    struct process *at = &p->at[place];
+    p->blocked += (uint32_t)blocked - (uint32_t)at->blocked;
+    at->blocked = blocked;
+}

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/node/node.h"
+
+#include "core/clock.h"
+#include "core/log.h"
+#include "core/text.h"
+
+#include <stdio.h>
+
+mu_result beacon_open(struct beacon *h, struct bus *bus, const struct broker_options *broker)
+{
+    *h = (struct beacon){.bus = bus};
+    h->beacons = (struct beacon_table){.incarnation = broker->incarnation, .pid = broker->pid};
+    mu_text_copy(h->beacons.name, sizeof h->beacons.name, broker->name);
+    mu_text_copy(h->beacons.host, sizeof h->beacons.host, broker->host);
+    MU_TRY(bus_writer_open(bus, BUS_BEACON, NULL, NULL, &h->beacon));
+    return bus_reader_open(bus, BUS_BEACON, NULL, &h->heard);
+}
+
+static void beacon_take(struct beacon *h, const muster_Beacon *beacon)
+{
+    switch (beacon_table_hear(&h->beacons, beacon)) {
+    case BEACON_NOTHING: break;
+    case BEACON_MET:
+        mu_log(MU_LOG_INFO, "broker-met", "name=%s host=%s pid=%u index=%u", beacon->broker,
+               beacon->host, beacon->pid, beacon->index);
+        break;
+    case BEACON_LATER:
+        mu_log(MU_LOG_WARNING, "name-claimed", "name=%s host=%s pid=%u", beacon->broker,
+               beacon->host, beacon->pid);
+        break;
+    case BEACON_EARLIER:
+        fprintf(stderr,
+                "muster broker: the network has a broker named %s already, on %s (process %u); "
+                "give this one another name\n",
+                beacon->broker, beacon->host, beacon->pid);
+        h->yields = true;
+        break;
+    }
+}
+
+void beacon_hear(struct beacon *h)
+{
+    enum bus_life life;
+    const muster_Beacon *beacon;
+    while (!h->yields && (beacon = bus_next(&h->heard, &life))) {
+        if (life == BUS_DATA) {
+            beacon_take(h, beacon);
+        } else if (beacon_table_lose(&h->beacons, beacon->broker)) {
+            mu_log(MU_LOG_INFO, "broker-lost", "name=%s", beacon->broker);
+        }
+    }
+}
+
+void beacon_tell(struct beacon *h, struct broker *b, const struct outlets *bags)
+{
+    uint64_t now_ns = mu_clock_ns();
+    if (!heartbeat_looks(&h->pulse, now_ns) ||
+        !heartbeat_beats(&h->pulse, outlets_spoke_ns(bags), now_ns)) {
+        return;
+    }
+    muster_BrokerStatus status = {0};
+    broker_status(b, &status);
+    muster_Beacon beacon = {.broker = h->beacons.name,
+                            .incarnation = h->beacons.incarnation,
+                            .host = h->beacons.host,
+                            .pid = h->beacons.pid,
+                            .index = h->bus->index > 0 ? (uint32_t)h->bus->index : 0,
+                            .agents = status.agents,
+                            .takes_agents = h->sure && broker_takes_names(b)};
+    mu_result written = bus_write(&h->beacon, &beacon);
+    (void)written; /* the next heartbeat says it again */
+}
+
+void beacon_be_sure(struct beacon *h)
+{
+    h->sure = true;
+    h->pulse.told_ns = 0;
+}
+
+void beacon_close(struct beacon *h)
+{
+    if (!h->yields) { /* disposed, both would be gone */
+        muster_Beacon beacon = {.broker = h->beacons.name, .host = h->beacons.host};
+        bus_dispose(&h->beacon, &beacon);
+    }
+}

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/node/node.h"
+
+#include "core/log.h"
+#include "core/text.h"
+
+#include <stdio.h>
+#include <string.h>
+
+mu_result links_open(struct links *p, struct bus *bus, const char *place)
+{
+    *p = (struct links){.bus = bus};
+    MU_TRY(bus_reader_open(bus, BUS_DELIVERY, place, &p->deliveries));
+    return bus_writer_open(bus, BUS_REGISTRATION, NULL, NULL, &p->registration);
+}
+
+static struct links_line *line_find(struct links *p, const char *name)
+{
+    for (uint32_t i = 0; i < p->count; i++) {
+        if (strcmp(p->lines[i].name, name) == 0) {
+            return &p->lines[i];
+        }
+    }
+    return NULL;
+}
+
+static void line_open(struct links *p, const char *name)
+{
+    char place[MU_PROCESS_MAX + 1];
+    struct links_line *line = &p->lines[p->count];
+    snprintf(place, sizeof place, "broker.%s", name);
+    mu_text_copy(line->name, sizeof line->name, name);
+    if (bus_writer_open(p->bus, BUS_UP, place, NULL, &line->ups) == MU_OK) {
+        p->count++;
+    } else {
+        mu_log(MU_LOG_ERROR, "no-line-to-broker", "name=%s", name);
+    }
+}
+
+static bool is_there(const struct beacon_table *beacons, const char *name)
+{
+    for (uint32_t i = 0; i < beacons->count; i++) {
+        if (beacons->others[i].there && strcmp(beacons->others[i].name, name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void links_follow(struct links *p, const struct beacon_table *beacons, struct broker *b,
+                  uint64_t now_ns)
+{
+    uint32_t kept = 0, before = p->count;
+    for (uint32_t i = 0; i < p->count; i++) {
+        if (is_there(beacons, p->lines[i].name)) {
+            p->lines[kept++] = p->lines[i];
+        } else {
+            bus_writer_close(&p->lines[i].ups);
+        }
+    }
+    p->count = kept;
+    for (uint32_t i = 0; i < beacons->count; i++) {
+        if (beacons->others[i].there && !line_find(p, beacons->others[i].name)) {
+            line_open(p, beacons->others[i].name);
+        }
+    }
+    if (p->count > 0 || before > 0) {
+        broker_peers(b, p->count, now_ns);
+    }
+}
+
+void links_take(struct links *p, struct broker *b, uint64_t now_ns)
+{
+    enum bus_life life;
+    const muster_Delivery *d;
+    while ((d = bus_next(&p->deliveries, &life))) {
+        if (life == BUS_DATA) {
+            broker_delivery(b, d, now_ns);
+        }
+    }
+}
+
+bool links_tell(struct links *p, struct broker *b)
+{
+    muster_Registration r;
+    muster_Up up;
+    const char *name;
+    while (broker_announcement(b, &r)) {
+        if (bus_write(&p->registration, &r) != MU_OK) {
+            return false;
+        }
+        broker_announced(b);
+    }
+    while (broker_up_next(b, &name, &up)) {
+        const struct links_line *line = line_find(p, name);
+        /* For one that is silent there is nothing to say: it will hand all of it out again. */
+        if (line && bus_write(&line->ups, &up) != MU_OK) {
+            return false;
+        }
+        broker_up_sent(b);
+    }
+    return true;
+}

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/node/node.h"
+
+#include "core/clock.h"
+#include "core/exits.h"
+#include "core/log.h"
+#include "core/text.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+/* @param file  as the option has it; NULL: the default */
+static mu_result store_open(struct startup *o, const char *file, int domain, const char *name)
+{
+    char path[PATH_MAX];
+    if (file && strcmp(file, "none") == 0) {
+        return MU_OK;
+    }
+    if (file ? !mu_text_copy(path, sizeof path, file)
+             : !disk_default_path(path, sizeof path, domain, name)) {
+        fprintf(stderr, "muster broker: no place for the store: give --store FILE or none\n");
+        return MU_FAULT_OS;
+    }
+    return disk_open(&o->disk, path, mu_clock_wall_ns());
+}
+
+static mu_result store_load(struct startup *o)
+{
+    uint64_t refused = 0;
+    mu_result loaded = o->disk ? disk_load(o->disk, o->broker, &refused) : MU_OK;
+    if (refused > 0) {
+        mu_log(MU_LOG_WARNING, "store-rows-not-taken", "rows=%llu", (unsigned long long)refused);
+    }
+    return loaded;
+}
+
+int startup_run(struct startup *o, const struct settings *s, const char *name)
+{
+    static char host[MU_FIELD_MAX + 1];
+    gethostname(host, sizeof host - 1);
+    mu_result opened = store_open(o, s->store, (int)s->network.domain, name);
+    if (opened != MU_OK) {
+        return mu_exit_for(opened);
+    }
+    uint64_t incarnation = o->disk ? disk_incarnation(o->disk) : mu_clock_wall_ns();
+    o->options =
+        (struct broker_options){.name = name,
+                                .incarnation = incarnation,
+                                .has_store = o->disk != NULL,
+                                .number_base = o->disk ? disk_number_base(o->disk) : 0,
+                                .host = host,
+                                .pid = (uint32_t)getpid(),
+                                .wall_ns = mu_clock_wall_ns(),
+                                .delivery_interval_ns = (uint64_t)(s->delivery_interval_ms * 1e6),
+                                .audit = s->audit != NULL,
+                                .box_policy = s->box_policy,
+                                .box_mails = (uint32_t)s->box_mails,
+                                .box_bytes = (uint32_t)s->box_bytes};
+    o->broker = broker_open(&o->options);
+    mu_result loaded = store_load(o);
+    if (loaded != MU_OK) {
+        return mu_exit_for(loaded);
+    }
+    if (s->policy && files_policy_load(o->broker, s->policy) != MU_OK) {
+        return MU_EXIT_FILE;
+    }
+    return files_audit_open(&o->audit, s->audit) ? MU_EXIT_DONE : MU_EXIT_WRITE;
+}

@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/node/node.h"
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+static const int64_t LAST_PATIENCE_NS = 1000000000; /* for the counters of a report */
+
+mu_result telemetry_open(struct telemetry *h, struct bus *bus)
+{
+    *h = (struct telemetry){.bus = bus};
+    MU_TRY(bus_writer_open(bus, BUS_BROKER_STATUS, NULL, NULL, &h->status));
+    MU_TRY(bus_writer_open(bus, BUS_PART_STATUS, NULL, NULL, &h->parts));
+    return MU_OK;
+}
+
+static uint64_t cpu_ns(void)
+{
+    struct timespec t = {0};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
+}
+
+/* The second number of /proc/self/statm, in pages.  @return 0 where there is none */
+static uint64_t resident_bytes(void)
+{
+    char text[128] = "";
+    int fd = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
+    ssize_t len = fd < 0 ? 0 : read(fd, text, sizeof text - 1);
+    if (fd >= 0) {
+        close(fd);
+    }
+    unsigned long long pages = 0;
+    bool read_well = len > 0 && sscanf(text, "%*u %llu", &pages) == 1;
+    return read_well ? pages * (uint64_t)sysconf(_SC_PAGESIZE) : 0;
+}
+
+static void status_tell(struct telemetry *h, struct broker *b, bool all)
+{
+    muster_BrokerStatus status = {0};
+    broker_status(b, &status);
+    status.malformed += h->bus->malformed;
+    muster_BrokerStatus news = status;
+    news.oldest_ns = 0;
+    if (!all && memcmp(&news, &h->told, sizeof news) == 0) {
+        return;
+    }
+    status.cpu_ns = cpu_ns();
+    status.resident_bytes = resident_bytes();
+    if (bus_write(&h->status, &status) == MU_OK) {
+        h->told = news;
+    }
+}
+
+/* @return whether a counter of the part has changed, one that drifts only when all are told */
+static bool part_is_news(const struct telemetry *h, uint32_t part, const muster_PartStatus *status,
+                         bool all)
+{
+    const struct metric *c;
+    uint32_t k = 0;
+    for (size_t i = 0; (c = metrics_at(i)); i++) {
+        if (c->part == part && status->counters._buffer[k++].value != h->values[i] &&
+            (all || !c->drifts)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void part_tell(struct telemetry *h, uint32_t part, const muster_PartStatus *status)
+{
+    const struct metric *c;
+    uint32_t k = 0;
+    if (bus_write(&h->parts, status) != MU_OK) {
+        return;
+    }
+    for (size_t i = 0; (c = metrics_at(i)); i++) {
+        if (c->part == part) {
+            h->values[i] = status->counters._buffer[k++].value;
+        }
+    }
+}
+
+static void everything_tell(struct telemetry *h, struct broker *b, bool all)
+{
+    muster_PartStatus status;
+    status_tell(h, b, all);
+    for (uint32_t part = 1; broker_part(b, part, &status); part++) {
+        if (!h->begun || part_is_news(h, part, &status, all)) {
+            part_tell(h, part, &status);
+        }
+    }
+    h->begun = true;
+}
+
+void telemetry_tell(struct telemetry *h, struct broker *b, uint64_t now_ns)
+{
+    bool all = !h->begun || now_ns - h->told_ns >= HEALTH_DRIFT_NS;
+    h->told_ns = all ? now_ns : h->told_ns;
+    everything_tell(h, b, all);
+}
+
+void telemetry_close(struct telemetry *h, struct broker *b)
+{
+    everything_tell(h, b, true);
+    (void)bus_drain(&h->status, LAST_PATIENCE_NS);
+}

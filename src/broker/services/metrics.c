@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/services/services.h"
+
+#include "broker/control/parts.h"
+#include "core/text.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+_Static_assert((int)PARTS_END == (int)REGISTRY_OWN, "each part has its line in the white pages");
+
+static const struct {
+    const char *name, *job;
+} parts[PARTS_END] = {
+    [0] = {"broker", "all of them"},
+    [PART_NAMES] = {"registrar", "who bears which name, in which process, in which state"},
+    [PART_MAIL] = {"postmaster", "a mail's way into boxes, and what becomes of it"},
+    [PART_DELIVERY] = {"courier", "what is ready for a process, as one delivery"},
+    [PART_GROUPS] = {"groups", "who is a member of what"},
+    [PART_SERVICES] = {"services", "the yellow pages"},
+    [PART_TRUST] = {"trust", "whose directives are carried out"},
+    [PART_JOURNAL] = {"journal", "what must be on disk before anybody is told"},
+    [PART_FEDERATION] = {"liaison", "the other brokers"},
+};
+
+static uint64_t oldest_ns(const struct broker *b)
+{
+    return arrivals_oldest_ns(&b->arrivals, clock_mail_ns(&b->clock));
+}
+
+static uint64_t refused(const struct broker *b)
+{
+    return b->counters.refused + b->counters.unspoken;
+}
+
+#define AT(member) \
+    .offset = offsetof(struct broker, member), .size = sizeof((struct broker *)0)->member
+
+/* Mails are counted per receiver. */
+static const struct metric counters[] = {
+    {PART_NAMES, "agents", "agents that are there now", AT(registry.present)},
+    {PART_NAMES, "names", "names ever registered, the broker and its parts included",
+     AT(registry.count)},
+    {PART_NAMES, "processes", "processes that it serves now", AT(processes.used_count)},
+    {PART_NAMES, "claims", "names that another process waits for now", AT(claims.count)},
+    {PART_NAMES, "capsules", "capsules of agents on their way that it keeps now",
+     AT(snapshots.count)},
+    {PART_NAMES, "capsules-kept", "of them, ever", AT(snapshots.kept)},
+    {PART_NAMES, "capsules-refused", "of them, whose agents stayed", AT(snapshots.refused)},
+    {PART_NAMES, "capsules-restored", "of them, given to a host because nobody had the agent",
+     AT(snapshots.restored)},
+    {PART_NAMES, "changes", "changes of the white pages", AT(registry.changes.version)},
+
+    {PART_MAIL, "sent", "mails, one a receiver", AT(counters.sent)},
+    {PART_MAIL, "delivered", "of them, acknowledged", AT(counters.delivered)},
+    {PART_MAIL, "waiting", "of them, in a box now", AT(counters.waiting)},
+    {PART_MAIL, "expired", "of them, older than they might become", AT(counters.expired)},
+    {PART_MAIL, "dropped", "of them, taken out of a full box for others", AT(counters.dropped)},
+    {PART_MAIL, "box-full", "of them, refused for want of room", AT(counters.box_full)},
+    {PART_MAIL, "over-share", "of them, refused for their sender's share", AT(counters.over_share)},
+    {PART_MAIL, "unknown-name", "of them, to a name that nobody ever had",
+     AT(counters.unknown_name)},
+    {PART_MAIL, "refused", "of them, directives that the policy does not allow",
+     AT(counters.refused)},
+    {PART_MAIL, "no-store", "of them, refused for want of a disk that can be written to",
+     AT(counters.no_store)},
+    {PART_MAIL, "resolving", "mails that wait for an address to be resolved, now",
+     AT(resolve.waiting)},
+    {PART_MAIL, "resolve-asked", "addresses that a resolver was asked about", AT(resolve.asked)},
+    {PART_MAIL, "resolve-refused", "answers of resolvers that were not asked, or too late",
+     AT(resolve.refused)},
+    {PART_MAIL, "duplicates-dropped", "mails that came twice from their sender",
+     AT(counters.duplicates_dropped)},
+    {PART_MAIL, "receipts-lost", "words on mails that were not told, for want of room",
+     AT(receipts.lost)},
+    {PART_MAIL, "gaps", "mails not taken yet, for an earlier one of their sender or box is missing",
+     AT(counters.gaps)},
+    {PART_MAIL, "acks-astray",
+     "acknowledgements that were for an earlier life of the broker, and not counted",
+     AT(counters.astray)},
+    {PART_MAIL, "malformed", "samples and mails that break a rule of the wire",
+     AT(counters.malformed)},
+    {PART_MAIL, "stored", "mails kept now, each once", AT(pool.mails)},
+    {PART_MAIL, "oldest-ns", "age of the oldest mail that waits, in nanoseconds", .drifts = true,
+     .read = oldest_ns},
+
+    {PART_DELIVERY, "deliveries", "samples written to processes", AT(dispatch.count.deliveries)},
+    {PART_DELIVERY, "circulars", "of them, those written once for many processes",
+     AT(dispatch.count.circulars)},
+    {PART_DELIVERY, "parcels", "mails in them", AT(dispatch.count.parcels)},
+    {PART_DELIVERY, "most-parcels", "mails in the fullest of them",
+     AT(dispatch.count.most_parcels)},
+    {PART_DELIVERY, "resent", "mails handed out again, for want of an acknowledgement",
+     AT(counters.resent)},
+    {PART_DELIVERY, "blocked", "times that the network did not take a delivery",
+     AT(dispatch.count.blocked)},
+    {PART_DELIVERY, "interval-ns", "the delivery interval, in nanoseconds; 0: at once",
+     AT(dispatch.interval_ns)},
+    {PART_DELIVERY, "wakings", "times that it woke to deliver, at an interval",
+     AT(dispatch.count.wakings)},
+    {PART_DELIVERY, "delay-ns", "what the interval has added to all mails together, in nanoseconds",
+     AT(dispatch.count.delay_ns)},
+
+    {PART_GROUPS, "groups", "groups that are there now", AT(pages.groups.groups_now)},
+    {PART_GROUPS, "members", "memberships that hold now", AT(pages.groups.members_now)},
+    {PART_GROUPS, "lines", "lines of the table in use now, those that hold no longer included",
+     AT(pages.groups.pairs.count)},
+    {PART_GROUPS, "changes", "changes of groups", AT(pages.groups.changes.version)},
+
+    {PART_SERVICES, "offers", "services offered now, those of absent agents included",
+     AT(pages.services.offers_now)},
+    {PART_SERVICES, "subscriptions", "standing queries now", AT(pages.subscriptions.count)},
+    {PART_SERVICES, "lines", "lines of the table in use now, those withdrawn included",
+     AT(pages.services.pairs.count)},
+    {PART_SERVICES, "changes", "changes of services", AT(pages.services.changes.version)},
+
+    {PART_TRUST, "lines", "lines of the policy", AT(trust.lines_count)},
+    {PART_TRUST, "allowed",
+     "directives let through, one a receiver, and changes in another agent's name",
+     AT(counters.directed)},
+    {PART_TRUST, "refused", "of both, refused", .read = refused},
+    {PART_TRUST, "glances", "lines that only look, let through outside of every step",
+     AT(probes.asked)},
+    {PART_TRUST, "glances-declined", "lines that only look, and came back without an answer",
+     AT(probes.declined)},
+    {PART_TRUST, "glances-lost", "of them, those that were not told, because too many waited",
+     AT(probes.lost)},
+    {PART_TRUST, "audited", "records for the audit log", AT(audit.recorded)},
+    {PART_TRUST, "audit-lost", "records lost, because too many waited", AT(audit.lost)},
+    {PART_TRUST, "audit-failed", "records that could not be written", AT(audit.failed)},
+
+    {PART_JOURNAL, "commits", "transactions that are on disk", AT(journal.commits)},
+    {PART_JOURNAL, "failures", "transactions that failed", AT(journal.failures)},
+
+    {PART_FEDERATION, "peers", "other brokers that are there now", AT(federation.peers_there)},
+    {PART_FEDERATION, "announced", "parts of the white pages told to them",
+     AT(federation.count.announced)},
+    {PART_FEDERATION, "parcels-in", "mails taken from them", AT(federation.count.parcels_in)},
+    {PART_FEDERATION, "repeated", "mails that came from them once more",
+     AT(federation.count.repeated)},
+    {PART_FEDERATION, "passed-on", "of the mails sent, those that they have taken over",
+     AT(federation.count.passed_on)},
+    {PART_FEDERATION, "receipts-in", "receipts that came from them",
+     AT(federation.count.receipts_in)},
+    {PART_FEDERATION, "clashes", "agents that had to give their name to one that had it before",
+     AT(federation.count.clashes)},
+    {PART_FEDERATION, "hops-refused", "mails that had passed too many brokers",
+     AT(federation.count.hops_refused)},
+};
+
+enum { COUNTERS = sizeof counters / sizeof counters[0] };
+
+_Static_assert((int)COUNTERS <= (int)METRICS_MAX, "every counter has its place");
+
+const char *metrics_part_name(uint32_t part)
+{
+    return part < PARTS_END ? parts[part].name : NULL;
+}
+
+const struct metric *metrics_at(size_t index)
+{
+    return index < COUNTERS ? &counters[index] : NULL;
+}
+
+uint64_t metrics_value(const struct broker *b, const struct metric *c)
+{
+    if (c->read) {
+        return c->read(b);
+    }
+    uint32_t small = 0;
+    uint64_t large = 0;
+    const char *at = (const char *)b + c->offset;
+    memcpy(c->size == sizeof small ? (void *)&small : (void *)&large, at, c->size);
+    return large + small;
+}
+
+void metrics_print(void)
+{
+    enum metrics_part part = 0;
+    for (size_t i = 0; i < COUNTERS; i++) {
+        const struct metric *c = &counters[i];
+        if (c->part != part) {
+            part = c->part;
+            printf("\n## broker.%s: %s\n\n| Counter | What it counts |\n| --- | --- |\n",
+                   parts[part].name, parts[part].job);
+        }
+        printf("| `%s` | %s |\n", c->name, c->counts);
+    }
+}
+
+void metrics_answer(struct broker *b, uint32_t own, const struct mail *question)
+{
+    struct mu_text t;
+    if (names_in_lockstep(b, question->sender)) {
+        answer_begin(b, &t, "in-lock-step");
+        answer_reply(b, own, question, "failure", b->text);
+        return;
+    }
+    answer_begin(b, &t, metrics_part_name(own));
+    const struct metric *c;
+    for (size_t i = 0; (c = metrics_at(i)); i++) {
+        if (own == REGISTRY_BROKER) {
+            mu_text_format(&t, " %s.%s %" PRIu64, metrics_part_name(c->part), c->name,
+                           metrics_value(b, c));
+        } else if (c->part == own) {
+            mu_text_format(&t, " %s %" PRIu64, c->name, metrics_value(b, c));
+        }
+    }
+    MU_ASSERT(!t.cut);
+    answer_reply(b, own, question, "inform", b->text);
+}

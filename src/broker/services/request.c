@@ -1,0 +1,147 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/services/services.h"
+
+#include "broker/control/parts.h"
+#include "core/fields.h"
+#include "core/name.h"
+
+#include <string.h>
+
+/* --- answers ---------------------------------------------------------------------------------- */
+
+bool request_field(const char *content, struct mu_text *out)
+{
+    return mu_fields_next(&content, out) && out->len > 0 && mu_fields_end(content);
+}
+
+bool request_field_optional(const char **content, char *to, size_t size)
+{
+    struct mu_text read;
+    mu_text_init(&read, to, size);
+    return mu_fields_end(*content) || mu_fields_next(content, &read);
+}
+
+bool request_read_name(struct broker *b, const struct mail *question, request_name name)
+{
+    struct mu_text read;
+    mu_text_init(&read, name, sizeof(request_name));
+    if (request_field(question->letter.content, &read)) {
+        return true;
+    }
+    request_not_understood(b, question);
+    return false;
+}
+
+void request_not_understood(struct broker *b, const struct mail *question)
+{
+    struct mu_text t;
+    b->counters.malformed++;
+    answer_begin(b, &t, question->letter.performative);
+    answer_send(b, question, "not-understood");
+}
+
+void request_changed(struct broker *b, const struct mail *question, const char *refusal,
+                     const char *name)
+{
+    struct mu_text t;
+    b->counters.malformed +=
+        refusal && (strcmp(refusal, "not-a-name") == 0 || strcmp(refusal, "not-attributes") == 0);
+    if (question->letter.reply_with[0] == '\0') {
+        return;
+    }
+    answer_begin(b, &t, refusal ? refusal : question->letter.performative);
+    mu_fields_add(&t, name);
+    answer_send(b, question, refusal ? "failure" : "inform");
+}
+
+const char *request_actor(struct broker *b, const struct mail *question, const char *named)
+{
+    const char *own = b->registry.agents[question->sender].name, *refusal = NULL;
+    if (named[0] == '\0' || strcmp(named, own) == 0) {
+        return own;
+    }
+    bool valid = mu_name_valid(named);
+    uint32_t agent = valid ? registry_find(&b->registry, named) : MU_NONE;
+    bool inside = view_inside(b, question->sender);
+    if (agent != MU_NONE && (registry_is_own(agent) || (inside && !view_inside(b, agent)))) {
+        agent = MU_NONE;
+    }
+    if (!valid) {
+        refusal = "not-a-name";
+    } else if (!guard_speaks(b, question, agent, named)) {
+        refusal = "refused";
+    } else if (agent == MU_NONE) {
+        refusal = "unknown-name";
+    }
+    if (refusal) {
+        request_changed(b, question, refusal, named);
+        return NULL;
+    }
+    return b->registry.agents[agent].name;
+}
+
+/* --- lists ------------------------------------------------------------------------------------ */
+
+static void list_open(struct broker *b, struct request_list *l)
+{
+    answer_begin(b, &l->text, l->word);
+    if (l->of[0]) {
+        mu_fields_add(&l->text, l->of);
+    }
+}
+
+void request_list_begin(struct broker *b, struct request_list *l, const struct mail *question,
+                        const char *word, const char *of)
+{
+    *l = (struct request_list){.question = question, .word = word, .of = of};
+    list_open(b, l);
+}
+
+void request_list_room(struct broker *b, struct request_list *l, size_t bytes)
+{
+    if (l->text.len + bytes > MU_CONTENT_MAX) {
+        request_list_end(b, l);
+        list_open(b, l);
+    }
+}
+
+void request_list_add(struct broker *b, struct request_list *l, const char *name)
+{
+    request_list_room(b, l, 1 + strlen(name));
+    mu_fields_add(&l->text, name);
+}
+
+void request_list_end(struct broker *b, const struct request_list *l)
+{
+    answer_send(b, l->question, "inform");
+}
+
+/* --- changes ---------------------------------------------------------------------------------- */
+
+void request_make_change(struct broker *b, const struct mail *question, request_change *change)
+{
+    request_name name, named;
+    const char *content = question->letter.content;
+    if (!request_field_optional(&content, name, sizeof name) || name[0] == '\0' ||
+        !request_field_optional(&content, named, sizeof named) || !mu_fields_end(content)) {
+        request_not_understood(b, question);
+        return;
+    }
+    const char *agent = request_actor(b, question, named);
+    if (agent) {
+        struct said said = view_said(b);
+        const char *refusal = change(b, name, agent, &said);
+        notify_tell(b);
+        request_changed(b, question, refusal, name);
+    }
+}
+
+/* --- the white pages -------------------------------------------------------------------------- */
+
+void request_refuse(struct broker *b, uint32_t own, const struct mail *question)
+{
+    struct mu_text t;
+    answer_begin(b, &t, "performative");
+    mu_fields_add(&t, question->letter.performative);
+    answer_reply(b, own, question, "not-understood", b->text);
+}

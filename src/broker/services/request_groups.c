@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Questions to the groups, and changes of them. */
+#include "broker/services/services.h"
+
+#include "broker/control/parts.h"
+#include "core/fields.h"
+
+#include <string.h>
+
+/* --- changes ---------------------------------------------------------------------------------- */
+
+void request_group_create(struct broker *b, const struct mail *question)
+{
+    request_name group;
+    if (request_read_name(b, question, group)) {
+        struct said said = view_said(b);
+        const char *refusal = groups_create(&b->pages.groups, group, &said);
+        notify_tell(b);
+        request_changed(b, question, refusal, group);
+    }
+}
+
+static const char *member_join(struct broker *b, const char *group, const char *agent,
+                               const struct said *said)
+{
+    return groups_join(&b->pages.groups, group, agent, said);
+}
+
+void request_group_join(struct broker *b, const struct mail *question)
+{
+    request_make_change(b, question, member_join);
+}
+
+static const char *member_leave(struct broker *b, const char *group, const char *agent,
+                                const struct said *said)
+{
+    return groups_leave(&b->pages.groups, group, agent, said);
+}
+
+void request_group_leave(struct broker *b, const struct mail *question)
+{
+    request_make_change(b, question, member_leave);
+}
+
+/* --- questions -------------------------------------------------------------------------------- */
+
+void request_groups(struct broker *b, const struct mail *question)
+{
+    struct request_list list;
+    bool inside = view_inside(b, question->sender);
+    uint32_t place = 0;
+    request_list_begin(b, &list, question, "groups", "");
+    for (const char *name; (name = groups_name(&b->pages.groups, inside, &place));) {
+        request_list_add(b, &list, name);
+    }
+    request_list_end(b, &list);
+}
+
+static void group_unknown(struct broker *b, const struct mail *question, const char *group)
+{
+    struct mu_text t;
+    answer_begin(b, &t, "unknown-group");
+    mu_fields_add(&t, group);
+    answer_send(b, question, "failure");
+}
+
+void request_members(struct broker *b, const struct mail *question)
+{
+    request_name group;
+    struct request_list list;
+    bool inside = view_inside(b, question->sender);
+    uint32_t place = 0;
+    if (!request_read_name(b, question, group)) {
+        return;
+    }
+    if (strlen(group) > MU_NAME_MAX || !groups_exists(&b->pages.groups, group, inside)) {
+        group_unknown(b, question, group);
+        return;
+    }
+    request_list_begin(b, &list, question, "members-of", group);
+    for (const char *name; (name = groups_member(&b->pages.groups, group, inside, &place));) {
+        request_list_add(b, &list, name);
+    }
+    request_list_end(b, &list);
+}

@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/services/services.h"
+
+#include "broker/control/parts.h"
+#include "core/address.h"
+
+#include <string.h>
+
+/* @return whether it is for whom a resolver names */
+static bool mail_is_to_scheme(const struct mail *m)
+{
+    return m->only == MU_NONE && mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME;
+}
+
+bool route_meets_lockstep(struct broker *b, const struct mail *m)
+{
+    struct recipients to;
+    if (mail_is_to_scheme(m)) {
+        return view_has_resolver(b, m->letter.dst); /* only members of the lock step are asked */
+    }
+    recipients_of_mail(b, m, &to);
+    bool meets = false;
+    for (uint32_t i = 0; i < to.count && !meets; i++) {
+        uint32_t agent = to.agents[i];
+        if (registry_is_own(agent)) { /* what changes the broker takes effect between steps, too */
+            meets = m->letter.layer == 0 || recipients_has_member_change(b, m);
+        } else {
+            meets = names_in_lockstep(b, agent) || barrier_keeps_before(b, m, agent);
+        }
+    }
+    return meets;
+}
+
+/* --- on its way ------------------------------------------------------------------------------- */
+
+/* The disk has failed since it was admitted. */
+static void mail_unstored(struct broker *b, struct mail *m, const struct recipients *to)
+{
+    b->counters.no_store += to->count;
+    outcome_refuse(b, m, to->unknown, muster_OUTCOME_NO_STORE);
+}
+
+bool route_mail(struct broker *b, struct mail *m)
+{
+    enum resolve_need need = resolve_needs(b, m);
+    if (need == RESOLVE_NOTHING) {
+        return route_go_on(b, m, NULL);
+    }
+    if (need == RESOLVE_FULL) {
+        settle_turn_away(b, m);
+    } else if (ledger_charge(b, m, 1)) {
+        resolve_wait(b, m);
+    } else {
+        b->counters.sent++;
+        outcome_refuse(b, m, 0, muster_OUTCOME_BOX_FULL);
+    }
+    return true;
+}
+
+static bool mail_is_answer(uint32_t own, const struct mail *m)
+{
+    bool asks_state = m->letter.layer == 2 && strcmp(m->letter.performative, "state") == 0;
+    return own == REGISTRY_BROKER && m->letter.layer != 0 && !asks_state && resolve_is_answer(m);
+}
+
+/* The broker's own desks take it. */
+static void desks_take(struct broker *b, struct mail *m, const struct recipients *to)
+{
+    for (uint32_t i = 0; i < to->count; i++) {
+        uint32_t own = to->agents[i];
+        if (!registry_is_own(own)) {
+            continue;
+        }
+        b->counters.delivered++;
+        if (mail_is_answer(own, m)) {
+            route_pump(b, resolve_take_answer(b, m));
+        } else {
+            desk_take(b, own, m);
+        }
+    }
+}
+
+void route_pump(struct broker *b, uint32_t sender)
+{
+    struct mail *m, *answer;
+    while (sender != MU_NONE && (m = resolve_next_ready(b, sender, &answer))) {
+        (void)route_go_on(b, m, answer ? answer->letter.content : NULL);
+        if (answer) {
+            pool_release(&b->pool, answer);
+        }
+    }
+}
+
+void route_resolve_expire(struct broker *b, uint64_t mail_ns)
+{
+    for (uint32_t s; (s = resolve_overdue(b, mail_ns)) != MU_NONE;) {
+        route_pump(b, s);
+    }
+}
+
+void route_resolve_give_up(struct broker *b)
+{
+    for (uint32_t s; (s = resolve_give_up(b)) != MU_NONE;) {
+        route_pump(b, s);
+    }
+}
+
+bool route_go_on(struct broker *b, struct mail *m, const char *names)
+{
+    struct recipients to;
+    if (names) {
+        recipients_of_answer(b, names, m->sender, &to);
+    } else {
+        recipients_of_mail(b, m, &to);
+        to.unknown = mail_is_to_scheme(m) ? 1 : to.unknown;
+    }
+    m->order = ++b->orders;
+    if (m->letter.layer == 0) {
+        to.refused = guard_sift(b, m, to.agents, &to.count);
+        if (to.refused > 0) {
+            ledger_alert(b, ALERT_REFUSED, REGISTRY_BROKER, m->sender);
+        }
+    }
+    b->counters.sent += to.count + to.unknown + to.refused;
+    b->counters.unknown_name += to.unknown;
+    bool goes_on = to.refused == 0 || to.count > 0;
+    if (m->letter.level != muster_LEVEL_RAM && !journal_takes(b)) {
+        mail_unstored(b, m, &to);
+    } else if (deliver_book(b, m, &to)) {
+        struct delivered done = deliver_put(b, m, &to);
+        desks_take(b, m, &to);
+        deliver_conclude(b, m, &to, &done);
+    }
+    return goes_on;
+}
