@@ -73,6 +73,9 @@ uint32_t multicast_sent(struct broker *b);
 /** The network has refused it: its mails go as any mail does. */
 void multicast_unsent(struct broker *b);
 
+/** A mail has gone into the boxes of many: it may go out in a multicast. */
+void multicast_note(struct broker *b, struct mail *m);
+
 /* --- pacing.c -------------------------------------------------------------------------------- */
 
 /*

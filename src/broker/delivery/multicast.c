@@ -16,6 +16,17 @@ void multicast_read_by(struct broker *b, uint32_t readers)
     b->multicast.readers = readers;
 }
 
+void multicast_note(struct broker *b, struct mail *m)
+{
+    struct multicast *c = &b->multicast;
+    bool may = m->letter.level == muster_LEVEL_RAM && m->unsettled >= MULTICAST_PLACES_MIN &&
+               b->dispatch.interval_ns == 0 && !names_in_lockstep(b, m->sender);
+    if (may && c->hearers >= MULTICAST_PLACES_MIN && c->count < MULTICAST_WAITING) {
+        pool_keep(m);
+        c->waiting[c->count++] = m;
+    }
+}
+
 /* The first ones have gone out, or will go as any mail does. */
 static void waiting_drop(struct broker *b, uint32_t count)
 {

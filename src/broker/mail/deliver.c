@@ -131,7 +131,6 @@ struct delivered deliver_put(struct broker *b, struct mail *m, const struct reci
     } else {
         deliver_schedule(b, m, done.held, m->letter.ttl_ns);
         journal_put(b, m);
-        deliver_note_multicast(b, m);
     }
     return done;
 }
@@ -141,17 +140,6 @@ void deliver_conclude(struct broker *b, struct mail *m, const struct recipients 
 {
     sender_answer(b, m, to, done->fits, done->stored);
     pool_release(&b->pool, m);
-}
-
-void deliver_note_multicast(struct broker *b, struct mail *m)
-{
-    struct multicast *c = &b->multicast;
-    bool may = m->letter.level == muster_LEVEL_RAM && m->unsettled >= MULTICAST_PLACES_MIN &&
-               b->dispatch.interval_ns == 0 && !names_in_lockstep(b, m->sender);
-    if (may && c->hearers >= MULTICAST_PLACES_MIN && c->count < MULTICAST_WAITING) {
-        pool_keep(m);
-        c->waiting[c->count++] = m;
-    }
 }
 
 void deliver_send(struct broker *b, uint32_t receiver, const muster_Mail *letter)

@@ -597,9 +597,6 @@ bool deliver_restore(struct broker *b, struct mail *m, const char *waiting, uint
 /** Sends a mail of the broker's own to an agent, as an answer; it takes of that agent's share. */
 void deliver_send(struct broker *b, uint32_t receiver, const muster_Mail *letter);
 
-/** A mail has gone into the boxes of many: it may go out in a multicast. */
-void deliver_note_multicast(struct broker *b, struct mail *m);
-
 /* --- answer.c -------------------------------------------------------------------------------- */
 
 /** Answers a mail; own is who was asked, performative is inform, failure or not-understood. */

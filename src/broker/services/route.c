@@ -128,6 +128,7 @@ bool route_go_on(struct broker *b, struct mail *m, const char *names)
         mail_unstored(b, m, &to);
     } else if (deliver_book(b, m, &to)) {
         struct delivered done = deliver_put(b, m, &to);
+        multicast_note(b, m);
         desks_take(b, m, &to);
         deliver_conclude(b, m, &to, &done);
     }
