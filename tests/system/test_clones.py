@@ -225,12 +225,14 @@ def target_dies(out, checkpoint):
 
 
 def is_idle(pid):
-    """Whether a process computes nothing for a while."""
-    def used():
-        return sum(int(word) for word in pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[11:13])
-    before = used()
+    """Whether a process computes nothing for a while, and does not wait for a processor either."""
+    def look():
+        fields = pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+        return fields[0], sum(map(int, fields[11:13]))
+    before = look()
     time.sleep(0.2)
-    return used() - before <= 1
+    after = look()
+    return before[0] == after[0] == "S" and after[1] - before[1] <= 1
 
 
 def source_dies(out, file, name, source):
