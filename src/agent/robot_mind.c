@@ -101,12 +101,12 @@ static bool mind_restored(struct robot *r, struct checkpoint_head *head, struct 
 {
     struct mu_fault fault;
     struct mind_options options = robot_mind_options(r, NULL);
-    const char *capsule = checkpoint_read(r->group, r->name, head, p);
-    if (!capsule) {
+    const char *snapshot = checkpoint_read(r->group, r->name, head, p);
+    if (!snapshot) {
         return false;
     }
     mu_result made = mind_begin(r->mind, &options, &fault);
-    made = made == MU_OK ? mind_restore(r->mind, capsule, strlen(capsule), &fault) : made;
+    made = made == MU_OK ? mind_restore(r->mind, snapshot, strlen(snapshot), &fault) : made;
     if (made != MU_OK) {
         mu_log(MU_LOG_WARNING, "checkpoint-refused", "name=%s line=%d %s", r->name, fault.line,
                fault.text);
