@@ -8,16 +8,9 @@
 #include <prccode.h>
 
 /* The port hears of work at least this often. */
-enum { BUDGET_WORK_UNITS = 256 * BUDGET_UNITS_A_TICK, BUDGET_WORK_ALLOCATIONS = 1024 };
+enum { BUDGET_WORK_UNITS = 256 * BUDGET_UNITS_A_TICK };
 
 enum { BUDGET_NEAR = 8 }; /* arguments that cost nothing to find */
-
-static void budget_work(struct mind *m)
-{
-    if (m->options.ports.work) {
-        m->options.ports.work(m->options.ports.self);
-    }
-}
 
 static void budget_stop(struct mind *m, const char *why)
 {
@@ -90,13 +83,6 @@ static int budget_burst(void *env, size_t bytes)
     budget_break(m, "memory");
 }
 
-void budget_allocated(struct mind *m)
-{
-    if (state_is_limited(m) && ++m->allocations % BUDGET_WORK_ALLOCATIONS == 0) {
-        budget_work(m);
-    }
-}
-
 /* @return false: fewer were left; nothing is done for them, so none is counted */
 static bool budget_count(struct mind *m, uint64_t units)
 {
@@ -108,7 +94,7 @@ static bool budget_count(struct mind *m, uint64_t units)
     m->cost.units += units;
     if (m->cost.units - m->worked >= BUDGET_WORK_UNITS) {
         m->worked = m->cost.units;
-        budget_work(m);
+        engine_work(m);
     }
     return true;
 }
@@ -138,18 +124,6 @@ int budget_argument(void *env, int position)
 {
     struct mind *m = environment_mind(env);
     return position <= BUDGET_NEAR || !m || budget_charge(m, (uint64_t)position);
-}
-
-void budget_evaluated(void *env, DATA_OBJECT *value)
-{
-    struct mind *m = environment_mind(env);
-    struct meter *meter = m->cost.meter;
-    if (m->cost.units > BUDGET_UNITS_LEFT && state_is_limited(m)) {
-        budget_leave(m, "ticks");
-    }
-    if (meter && meter->call == EvaluationData(env)->CurrentExpression) {
-        meter_take(m, meter, value);
-    }
 }
 
 void budget_install(struct mind *m)

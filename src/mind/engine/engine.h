@@ -157,6 +157,14 @@ struct mind {
     enum trace_fact trace_fact;
 };
 
+/** Tells the port that rules or a line have been at work for a while. */
+static inline void engine_work(const struct mind *m)
+{
+    if (m->options.ports.work) {
+        m->options.ports.work(m->options.ports.self);
+    }
+}
+
 /* state.c */
 
 /** Applies an event; an illegal one aborts.  @return false: it was refused, and counted */
@@ -171,17 +179,8 @@ bool state_is_limited(const struct mind *m);
 /** @return whether it has an environment */
 bool state_has_rules(const struct mind *m);
 
-/**
- * Begins each function of mind.h that calls into CLIPS.  If that call exceeds the limit of memory,
- * it comes back to this place a second time: CLIPS was left where it was, and its memory is gone.
- *
- * @return false: the mind has no rules, or has lost them just now
- */
-#define MIND_ENTER(m, event) (mind_enter(m, event) && setjmp((m)->shelter) == 0)
-bool mind_enter(struct mind *m, enum state_event event);
-
-/** Ends it.  @return whether CLIPS has an error flag set */
-bool mind_leave(struct mind *m);
+/** @return bytes of memory that it may take beside those that it has */
+long state_spare(const struct mind *m);
 
 /* environment.c */
 
@@ -202,6 +201,18 @@ void environment_begin(struct mind *m);
 
 /** Clears them again.  @return whether one was set */
 bool environment_end(struct mind *m);
+
+/**
+ * Begins each function of mind.h that calls into CLIPS.  If that call exceeds the limit of memory,
+ * it comes back to this place a second time: CLIPS was left where it was, and its memory is gone.
+ *
+ * @return false: the mind has no rules, or has lost them just now
+ */
+#define MIND_ENTER(m, event) (mind_enter(m, event) && setjmp((m)->shelter) == 0)
+bool mind_enter(struct mind *m, enum state_event event);
+
+/** Ends it.  @return whether CLIPS has an error flag set */
+bool mind_leave(struct mind *m);
 
 /** @return the mind of this process that used CLIPS last; entries: how often any mind has */
 struct mind *environment_entered(uint64_t *entries);
@@ -242,9 +253,6 @@ void budget_say(struct mind *m);
 /** Says which call has not returned, and leaves it. */
 _Noreturn void budget_leave(struct mind *m, const char *why);
 
-/** Tells the port of work now and then, because CLIPS may allocate for long without a tick. */
-void budget_allocated(struct mind *m);
-
 /** Gives a new budget of ticks.  @param memory_spare  bytes beside those that CLIPS has */
 void budget_start(struct mind *m, long memory_spare);
 
@@ -253,9 +261,6 @@ bool budget_charge(struct mind *m, uint64_t units);
 
 /* meter.c */
 void meter_install(struct mind *m);
-
-/** Charges for an argument that has its value now, or empties it. */
-void meter_take(struct mind *m, struct meter *meter, DATA_OBJECT *value);
 
 /* source_lines.c */
 void source_lines_reserve(struct mind *m);

@@ -259,3 +259,21 @@ bool environment_build(struct mind *m)
     }
     return built;
 }
+
+bool mind_enter(struct mind *m, enum state_event event)
+{
+    if (!state_on(m, event)) {
+        return false;
+    }
+    m->stack = __builtin_frame_address(0);
+    environment_begin(m);
+    budget_start(m, state_spare(m));
+    return true;
+}
+
+bool mind_leave(struct mind *m)
+{
+    m->stack = NULL;
+    (void)state_on(m, STATE_DONE);
+    return environment_end(m);
+}

@@ -13,6 +13,7 @@ enum {
     HEAP_PAGE = 4096,   /* a page stands at a multiple of its size */
     HEAP_STEP = 8,      /* bytes from one size to the next */
     HEAP_MALLOC = 16,   /* bytes that malloc keeps for itself: a page with them fills a page */
+    HEAP_WORK = 1024,   /* the port hears of work at so many allocations */
     HEAP_MUCH = 8 << 20 /* more than most minds have */
 };
 
@@ -153,7 +154,9 @@ void *heap_take(void *env, size_t bytes)
         m->cost.units += bytes / BUDGET_UNITS_A_TICK; /* it is filled */
     }
     h->held += block ? bytes : 0;
-    budget_allocated(m);
+    if (state_is_limited(m) && ++m->allocations % HEAP_WORK == 0) {
+        engine_work(m);
+    }
     return block;
 }
 

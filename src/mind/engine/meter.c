@@ -189,7 +189,8 @@ static uint64_t meter_units(const struct mind *m, const struct meter *meter,
     return 0;
 }
 
-void meter_take(struct mind *m, struct meter *meter, DATA_OBJECT *value)
+/* Charges for an argument that has its value now, or empties it. */
+static void meter_take(struct mind *m, struct meter *meter, DATA_OBJECT *value)
 {
     if (budget_charge(m, meter_units(m, meter, value))) {
         meter->fields += meter_fields(value);
@@ -218,4 +219,16 @@ int meter_begin(void *env, struct meter *meter, const struct meter_row *row)
 void meter_end(void *env, struct meter *meter)
 {
     environment_mind(env)->cost.meter = meter->outer;
+}
+
+void meter_evaluated(void *env, DATA_OBJECT *value)
+{
+    struct mind *m = environment_mind(env);
+    struct meter *meter = m->cost.meter;
+    if (m->cost.units > BUDGET_UNITS_LEFT && state_is_limited(m)) {
+        budget_leave(m, "ticks");
+    }
+    if (meter && meter->call == EvaluationData(env)->CurrentExpression) {
+        meter_take(m, meter, value);
+    }
 }

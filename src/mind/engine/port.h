@@ -43,11 +43,11 @@ void heap_give(void *env, void *block, size_t bytes);
 /* meter.c */
 int meter_begin(void *env, struct meter *meter, const struct meter_row *row);
 void meter_end(void *env, struct meter *meter);
+struct dataObject;
+void meter_evaluated(void *env, struct dataObject *value);
 
 /* budget.c */
 int budget_argument(void *env, int position);
-struct dataObject;
-void budget_evaluated(void *env, struct dataObject *value);
 
 /* Evaluation of an expression ends with this. */
 #define PORT_EVALUATED(env, expression, value)                                                    \
@@ -57,7 +57,7 @@ void budget_evaluated(void *env, struct dataObject *value);
             cost_->units += (expression)->type == FCALL ? BUDGET_UNITS_A_CALL : 1;                \
             if (__builtin_expect(cost_->units > BUDGET_UNITS_LEFT, 0) ||                          \
                 (cost_->meter && cost_->meter->call == EvaluationData(env)->CurrentExpression)) { \
-                budget_evaluated(env, value);                                                     \
+                meter_evaluated(env, value);                                                      \
             }                                                                                     \
         }                                                                                         \
     } while (0)

@@ -90,20 +90,7 @@ bool state_has_rules(const struct mind *m)
     return m->state != MIND_VACANT && m->state != MIND_FAILED;
 }
 
-bool mind_enter(struct mind *m, enum state_event event)
+long state_spare(const struct mind *m)
 {
-    if (!state_on(m, event)) {
-        return false;
-    }
-    m->stack = __builtin_frame_address(0);
-    environment_begin(m);
-    budget_start(m, state_columns[m->state].memory_spare);
-    return true;
-}
-
-bool mind_leave(struct mind *m)
-{
-    m->stack = NULL;
-    (void)state_on(m, STATE_DONE);
-    return environment_end(m);
+    return state_columns[m->state].memory_spare;
 }
