@@ -106,9 +106,9 @@ LIBS_story   := -lddsc -lz -lm
 LIBS_record  := -lddsc -lz -lm
 LIBS_replay  := -lddsc -lz -lm
 LIBS_experiment := -lcyaml -lyaml -lccd -lpng -lm
-LIBS_report  := -lcyaml -lyaml -lccd -lpng -lm
+LIBS_report  := -ljansson -lcyaml -lyaml -lccd -lpng -lm
 LIBS_desk    := -lddsc -lm
-LIBS_ctl     := -lz -ledit -lcyaml -lyaml -lddsc -lccd -lpng -lm
+LIBS_ctl     := -lz -ledit -ljansson -lcyaml -lyaml -lddsc -lccd -lpng -lm
 LIBS_web     := -lmicrohttpd -lddsc -lz -lm
 # The files of the page are part of the program: src/web/assets.c names them.
 ASSETS := $(patsubst %,$(O)/%.o,$(wildcard src/web/assets/*))

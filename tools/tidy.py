@@ -58,6 +58,7 @@ ONLY_IN = {
     r"png\.h": r"src/world/parse/bitmap",
     r"histedit|editline": r"src/ctl/console_edit",
     r"cyaml/|yaml\.h": r"src/experiment/",
+    r"jansson\.h": r"src/report/summary",
     r"openssl/": r"src/sim/record/run_hash",
     r"zlib\.h": r"src/mcap/",
     r"sqlite3\.h": r"src/broker/node/disk",

@@ -7,7 +7,6 @@
  * and what there is to know is in the recording.
  */
 #include "ctl/remake.h"
-#include "ctl/summary.h"
 #include "ctl/unpack.h"
 #include "ctl/verbs.h"
 
@@ -15,6 +14,7 @@
 #include "core/options.h"
 #include "core/text.h"
 #include "muster/memory.h"
+#include "report/summary.h"
 #include "world/world_load.h"
 
 #include <errno.h>
@@ -38,7 +38,7 @@ struct remaking {
     struct recording recording;
     bool recorded; /* there is one */
     struct unpacked files;
-    struct summary *summary;
+    struct summary summary;
     const char *sets[EXPERIMENT_OVERRIDES_MAX];
     char path[PATH_MAX + 16]; /* of the recording */
 };
@@ -53,7 +53,7 @@ static const char *note(const struct remaking *m, const char *key)
 /* The file as it was named on the command line; path: it is not known */
 static const char *file_named(const struct remaking *m, const char *path)
 {
-    const char *file = m->recorded ? note(m, "file") : m->summary->file;
+    const char *file = m->recorded ? note(m, "file") : m->summary.file;
     return file[0] ? mu_startup_string(file) : path;
 }
 
@@ -144,7 +144,7 @@ static mu_result recorded_take(struct remaking *m, struct mu_fault *fault)
 static mu_result named_take(struct remaking *m, struct mu_fault *fault)
 {
     struct run *r = m->run;
-    const struct summary *s = m->summary;
+    const struct summary *s = &m->summary;
     const char *file = file_named(m, NULL);
     if (!file || s->duration_s <= 0) {
         return mu_fault_at(fault, m->path, 0, 0,
@@ -163,7 +163,7 @@ static mu_result named_take(struct remaking *m, struct mu_fault *fault)
 static mu_result recording_take(struct remaking *m, struct mu_fault *fault)
 {
     snprintf(m->path, sizeof m->path, "%s/run.mcap", m->run->folder);
-    m->recorded = access(m->path, F_OK) == 0 || !m->summary->there;
+    m->recorded = access(m->path, F_OK) == 0 || !m->summary.document;
     if (!m->recorded) {
         return MU_OK;
     }
@@ -183,7 +183,7 @@ static mu_result recording_take(struct remaking *m, struct mu_fault *fault)
 
 static void summary_use(const struct remaking *m, struct report_input *in)
 {
-    const struct summary *s = m->summary;
+    const struct summary *s = &m->summary;
     in->hash = s->hash;
     in->sim_time_s = s->sim_time_s;
     in->wall_time_s = s->wall_time_s;
@@ -243,9 +243,9 @@ static void orders_note(struct remaking *m)
         for (uint32_t i = 0; i < f->orders._length; i++) {
             unsigned index;
             bool ours = sscanf(f->orders._buffer[i].source, "chaos.%u", &index) == 1;
-            if (ours && index < e->chaos_count && !m->summary->chaos[index].done) {
-                m->summary->chaos[index].done = true;
-                m->summary->chaos[index].at_s = (double)f->time_ns * 1e-9;
+            if (ours && index < e->chaos_count && !m->summary.chaos[index].done) {
+                m->summary.chaos[index].done = true;
+                m->summary.chaos[index].at_s = (double)f->time_ns * 1e-9;
             }
         }
     }
@@ -253,8 +253,8 @@ static void orders_note(struct remaking *m)
 
 static bool broke_off(const struct remaking *m)
 {
-    return m->summary->there ? m->summary->broke_off
-                             : recording_end(&m->recording) != RECORDING_DONE;
+    return m->summary.document ? m->summary.broke_off
+                               : recording_end(&m->recording) != RECORDING_DONE;
 }
 
 /* What run.csv and events.csv lack when a run breaks off stands in the recording. */
@@ -262,7 +262,7 @@ static mu_result files_make(struct remaking *m, struct mu_fault *fault)
 {
     struct run *r = m->run;
     char csv[PATH_MAX + 16];
-    r->time_ns = (uint64_t)(m->summary->sim_time_s * 1e9);
+    r->time_ns = (uint64_t)(m->summary.sim_time_s * 1e9);
     if (m->recorded) {
         remake_end(&m->recording, r);
     }
@@ -270,14 +270,14 @@ static mu_result files_make(struct remaking *m, struct mu_fault *fault)
         r->experiment->duration = fmin(r->experiment->duration, (double)r->time_ns * 1e-9);
     }
     snprintf(csv, sizeof csv, "%s/run.csv", r->folder);
-    if (m->summary->there && access(csv, F_OK) == 0) {
+    if (m->summary.document && access(csv, F_OK) == 0) {
         return MU_OK;
     }
     if (!m->recorded) {
         return mu_fault_at(fault, csv, 0, 0, "%s, and there is no run.mcap that it can be made of",
                            strerror(errno));
     }
-    if (!m->summary->there) {
+    if (!m->summary.document) {
         orders_note(m);
     }
     MU_TRY(remake_csv(&m->recording, r->folder, fault));
@@ -291,13 +291,13 @@ static int report_make(struct remaking *m)
     run_report_input(m->run, &input);
     input.file = file_named(m, "");
     input.free = m->run->options.free;
-    input.files = m->recorded ? m->files.files : m->summary->files;
-    input.files_count = m->recorded ? m->files.files_count : m->summary->files_count;
-    input.chaos = m->summary->chaos;
+    input.files = m->recorded ? m->files.files : m->summary.files;
+    input.files_count = m->recorded ? m->files.files_count : m->summary.files_count;
+    input.chaos = m->summary.chaos;
     input.broke_off = broke_off(m);
-    if (m->summary->there) {
+    if (m->summary.document) {
         summary_use(m, &input);
-        robots_use(m->summary, &input);
+        robots_use(&m->summary, &input);
     } else {
         recording_use(m, &input);
     }
@@ -322,7 +322,8 @@ static mu_result folder_take(struct remaking *m, const char *folder, struct mu_f
                           "when it has ended");
         return MU_FAULT_OS;
     }
-    return summary_read(&m->summary, m->run->folder, fault);
+    mu_result read = summary_read(&m->summary, m->run->folder, fault);
+    return read == MU_ABSENT ? MU_OK : read;
 }
 
 /* The experiment with its world, and the files that the report is made of. */
