@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/options.h"
+#include "core/spell.h"
 
 #include "core/options_config.h"
 #include "core/text.h"
@@ -56,43 +57,17 @@ static const struct mu_option *options_find_common(const char *name)
     return NULL;
 }
 
-/* Levenshtein's distance, for "did you mean"; names are short. */
-static size_t options_name_distance(const char *a, const char *b)
-{
-    enum { NAME_MAX_BYTES = 31 };
-    size_t row[NAME_MAX_BYTES + 1];
-    size_t b_len = strnlen(b, NAME_MAX_BYTES);
-    for (size_t i = 0; i <= b_len; i++) {
-        row[i] = i;
-    }
-    for (size_t i = 0; a[i]; i++) {
-        size_t corner = row[0];
-        row[0] = i + 1;
-        for (size_t k = 1; k <= b_len; k++) {
-            size_t change = corner + (a[i] != b[k - 1]);
-            corner = row[k];
-            size_t less = row[k] < row[k - 1] ? row[k] : row[k - 1];
-            row[k] = change <= less + 1 ? change : less + 1;
-        }
-    }
-    return row[b_len];
-}
-
 static mu_result options_unknown(const struct mu_options *o, const char *argument, const char *name)
 {
     char shown[MU_TEXT_SHOWN];
-    const char *best = NULL;
-    size_t best_distance = 3;
+    struct mu_spell spell;
+    mu_spell_init(&spell, name);
     for (size_t i = 0; i < o->count; i++) {
-        size_t distance = options_name_distance(name, o->table[i].name);
-        if (distance < best_distance) {
-            best = o->table[i].name;
-            best_distance = distance;
-        }
+        mu_spell_offer(&spell, o->table[i].name);
     }
     fprintf(stderr, "%s: unknown option '%s'", o->program, mu_text_show(shown, argument));
-    if (best) {
-        fprintf(stderr, "; did you mean '--%s'?\n", best);
+    if (spell.nearest) {
+        fprintf(stderr, "; did you mean '--%s'?\n", spell.nearest);
     } else {
         fprintf(stderr, "; ");
     }
