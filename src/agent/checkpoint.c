@@ -3,6 +3,7 @@
 #include "core/clock.h"
 #include "core/log.h"
 #include "core/name.h"
+#include "core/text_file.h"
 #include "muster/memory.h"
 
 #include <dirent.h>
@@ -235,15 +236,8 @@ void checkpoint_own(struct robot *r)
 
 static bool file_read(const char *path, struct mu_text *out)
 {
-    FILE *f = fopen(path, "rb");
-    if (!f) {
-        return false;
-    }
-    out->len = fread(out->at, 1, out->size - 1, f);
-    out->at[out->len] = '\0';
-    bool good = !ferror(f) && feof(f);
-    fclose(f);
-    return good;
+    struct mu_fault fault;
+    return mu_text_file_read(path, out, &fault) == MU_OK && !out->cut;
 }
 
 bool checkpoint_head_read(const char **text, struct checkpoint_head *out)

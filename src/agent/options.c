@@ -159,11 +159,7 @@ static struct mu_option shared[] = {
      .environment = "MUSTER_DIARY",
      .help = "let recordings have what goes on in its mind: facts, rules, causes",
      .target = &options.diary},
-    {.name = "verbose",
-     .letter = 'v',
-     .kind = MU_OPTION_FLAG,
-     .help = "log what happens",
-     .target = &options.verbose},
+    MU_OPTION_VERBOSE(options.verbose),
 };
 enum { SHARED = sizeof shared / sizeof shared[0], OWN_MAX = 16 };
 

@@ -57,6 +57,18 @@ struct mu_option {
     char place[MU_OPTION_PLACE_MAX + 1]; /* "MUSTER_RATE", "/home/a/config:3"; else "" */
 };
 
+/* Rows that many programs have. */
+#define MU_OPTION_VERBOSE(flag)                                                               \
+    {                                                                                         \
+        .name = "verbose", .letter = 'v', .kind = MU_OPTION_FLAG, .help = "log what happens", \
+        .target = &(flag)                                                                     \
+    }
+#define MU_OPTION_QUIET(flag)                                   \
+    {                                                           \
+        .name = "quiet", .letter = 'q', .kind = MU_OPTION_FLAG, \
+        .help = "say only what goes wrong", .target = &(flag)   \
+    }
+
 struct mu_options {
     const char *program; /* "muster run" */
     const char *usage;   /* the words behind it: "FILE [OPTION...]" */

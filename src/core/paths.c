@@ -3,10 +3,12 @@
 
 #include "core/text.h"
 
+#include <errno.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static bool program_folder(char *folder, size_t size)
@@ -126,4 +128,16 @@ void mu_path_portable(struct mu_text *name, const char *spelled)
     bool below = len > 1 && strncmp(path, here, len) == 0 && path[len] == '/';
     mu_text_add(name, below ? path + len : path[0] == '/' ? "/_" : "/");
     mu_text_add(name, below ? "" : path);
+}
+
+bool mu_path_make_folders(char *path, mode_t mode)
+{
+    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        if (mkdir(path, mode) != 0 && errno != EEXIST) {
+            return false;
+        }
+        *slash = '/';
+    }
+    return true;
 }

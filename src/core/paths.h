@@ -8,6 +8,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <sys/types.h>
 
 struct mu_text;
 
@@ -44,5 +45,12 @@ void mu_path_plain(char *path);
  * unpacks it.
  */
 void mu_path_portable(struct mu_text *name, const char *path);
+
+/**
+ * Makes the folders above a path that are missing.
+ *
+ * @return whether they are there; false: errno says why not, and the path ends with that folder
+ */
+bool mu_path_make_folders(char *path, mode_t mode);
 
 #endif

@@ -2,6 +2,7 @@
 #include "ctl/unpack.h"
 
 #include "core/hash.h"
+#include "core/paths.h"
 #include "core/text.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
@@ -130,19 +131,6 @@ static const char *origin(struct mcap_reader *reader)
     return folder ? folder : "";
 }
 
-static mu_result folders_make(char *path)
-{
-    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
-        *slash = '\0';
-        int made = mkdir(path, 0700);
-        *slash = '/';
-        if (made != 0 && errno != EEXIST) {
-            return MU_FAULT_OS;
-        }
-    }
-    return MU_OK;
-}
-
 /* @return whether each part of a path is the name of a file or a folder there */
 static bool has_good_parts(const char *path)
 {
@@ -190,7 +178,7 @@ static bool place_find(const struct unpacked *u, const char *from, const char *n
 /* @return MU_OK; MU_MALFORMED: the name is another file's, or has one for a folder; MU_FAULT_OS */
 static mu_result file_write(const struct unpacked *u, char *path, const void *bytes, size_t size)
 {
-    FILE *out = folders_make(path) == MU_OK ? fopen(path, "wxe") : NULL;
+    FILE *out = mu_path_make_folders(path, 0700) ? fopen(path, "wxe") : NULL;
     if (!out && (errno == EEXIST || errno == ENOTDIR || errno == EISDIR || errno == ENAMETOOLONG)) {
         return MU_MALFORMED;
     }

@@ -258,11 +258,7 @@ static struct mu_option option_table[] = {
      .help = "a rule that fails so often suspends the monitor; 0: none does",
      .target = &monitor.set.failures_max,
      .max = 1000000},
-    {.name = "verbose",
-     .letter = 'v',
-     .kind = MU_OPTION_FLAG,
-     .help = "log what happens",
-     .target = &monitor.set.verbose},
+    MU_OPTION_VERBOSE(monitor.set.verbose),
 };
 
 static mu_result command_line_parse(int argc, char **argv)

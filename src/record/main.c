@@ -56,16 +56,8 @@ static struct mu_option option_table[] = {
      .help = "end after so many seconds; 0: until interrupted",
      .target = &set.duration_s,
      .max = 1e9},
-    {.name = "quiet",
-     .letter = 'q',
-     .kind = MU_OPTION_FLAG,
-     .help = "say only what goes wrong",
-     .target = &set.quiet},
-    {.name = "verbose",
-     .letter = 'v',
-     .kind = MU_OPTION_FLAG,
-     .help = "log what happens",
-     .target = &set.verbose},
+    MU_OPTION_QUIET(set.quiet),
+    MU_OPTION_VERBOSE(set.verbose),
 };
 
 static bool is_wanted(const char *topic)

@@ -76,16 +76,8 @@ static struct mu_option option_table[] = {
      .help = "begin when each topic has a reader, or after so many seconds",
      .target = &set.wait_s,
      .max = 3600},
-    {.name = "quiet",
-     .letter = 'q',
-     .kind = MU_OPTION_FLAG,
-     .help = "say only what goes wrong",
-     .target = &set.quiet},
-    {.name = "verbose",
-     .letter = 'v',
-     .kind = MU_OPTION_FLAG,
-     .help = "log what happens",
-     .target = &set.verbose},
+    MU_OPTION_QUIET(set.quiet),
+    MU_OPTION_VERBOSE(set.verbose),
 };
 
 struct replay {

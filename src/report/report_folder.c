@@ -6,6 +6,7 @@
  * moves it away holds a lock on the folder itself for that moment, so that nobody sees a lock file
  * that is not locked yet, or moves a folder that somebody has just taken.
  */
+#include "core/paths.h"
 #include "core/text.h"
 #include "report/report.h"
 #include "report/report_data.h"
@@ -35,20 +36,6 @@ static mu_result folder_refuse(struct mu_fault *fault, const char *path, const c
 {
     mu_fault_at(fault, "muster run", 0, 0, "%s %s; choose another --out", path, why);
     return MU_FAULT_OS;
-}
-
-static mu_result parents_make(char *path, struct mu_fault *fault)
-{
-    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
-        *slash = '\0';
-        bool made = mkdir(path, 0777) == 0 || errno == EEXIST;
-        mu_result done = made ? MU_OK : report_os_fault(fault, path, "create the folder");
-        *slash = '/';
-        if (done != MU_OK) {
-            return done;
-        }
-    }
-    return MU_OK;
 }
 
 /* Adds the number to the name.  @return whether it fitted */
@@ -213,8 +200,10 @@ mu_result report_folder(const char *wanted, bool or_beside, char *taken, size_t 
     for (size_t len = strlen(path); len > 1 && path[len - 1] == '/'; len--) {
         path[len - 1] = '\0';
     }
-    mu_result done = parents_make(path, fault);
-    done = done == MU_OK ? folder_take(path, fault) : done;
+    if (!mu_path_make_folders(path, 0777)) {
+        return report_os_fault(fault, path, "create the folder");
+    }
+    mu_result done = folder_take(path, fault);
     if (done == MU_EXISTS) {
         return or_beside ? folder_take_numbered(taken, size, path, fault)
                          : folder_refuse(fault, path, "is taken: another run is writing there");

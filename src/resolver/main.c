@@ -46,11 +46,7 @@ static mu_result settings_parse(struct settings *set, int argc, char **argv)
          .unit = "NAME",
          .help = "name of the agent (default: resolver.SCHEME)",
          .target = &set->name},
-        {.name = "verbose",
-         .letter = 'v',
-         .kind = MU_OPTION_FLAG,
-         .help = "log what happens",
-         .target = &set->verbose},
+        MU_OPTION_VERBOSE(set->verbose),
     };
     static struct mu_options options;
     options = (struct mu_options){

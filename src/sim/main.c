@@ -177,11 +177,7 @@ static struct mu_option option_table[] = {
      .help = "let all bodies begin as muster world save found them, in the same world, with the "
              "same seed and step",
      .target = &set.restore},
-    {.name = "verbose",
-     .letter = 'v',
-     .kind = MU_OPTION_FLAG,
-     .help = "log what happens",
-     .target = &set.verbose},
+    MU_OPTION_VERBOSE(set.verbose),
 };
 
 static mu_result settings_parse(int argc, char **argv, const char **world)

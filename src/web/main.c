@@ -65,11 +65,7 @@ static mu_result settings_parse(struct settings *set, int argc, char **argv)
          .kind = MU_OPTION_FLAG,
          .help = "nobody acts from this page, whatever token he has",
          .target = &set->read_only},
-        {.name = "verbose",
-         .letter = 'v',
-         .kind = MU_OPTION_FLAG,
-         .help = "log what happens",
-         .target = &set->verbose},
+        MU_OPTION_VERBOSE(set->verbose),
     };
     static struct mu_options options;
     options = (struct mu_options){

@@ -4,6 +4,7 @@
 #include "broker/node/disk_bundle.h"
 #include "broker/node/disk_parts.h"
 #include "core/log.h"
+#include "core/paths.h"
 #include "core/text.h"
 #include "muster/memory.h"
 
@@ -278,7 +279,7 @@ mu_result disk_open(struct disk **out, const char *path, uint64_t wall_ns)
 {
     struct disk *d = mu_startup_alloc(sizeof *d);
     disk_bundle_init(&d->bundle);
-    if (!mu_text_copy(d->path, sizeof d->path, path) || !disk_make_folders(path)) {
+    if (!mu_text_copy(d->path, sizeof d->path, path) || !mu_path_make_folders(d->path, 0700)) {
         return complain(MU_FAULT_OS, path, strerror(errno),
                         "give another --store FILE, or --store none");
     }

@@ -75,7 +75,4 @@ bool disk_incarnation_put(struct disk *d);
 /** @return whether the file, or its log, was removed or replaced since it was opened */
 bool disk_has_moved(struct disk *d);
 
-/** Makes the folders above a file.  @return whether they are there */
-bool disk_make_folders(const char *path);
-
 #endif

@@ -24,20 +24,3 @@ bool disk_default_path(char *path, size_t size, int domain, const char *broker)
     mu_text_format(&t, "/muster/%d-%s.db", domain, broker);
     return !t.cut;
 }
-
-bool disk_make_folders(const char *path)
-{
-    char folder[PATH_MAX];
-    if (!mu_text_copy(folder, sizeof folder, path)) {
-        errno = ENAMETOOLONG;
-        return false;
-    }
-    for (char *slash = strchr(folder + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
-        *slash = '\0';
-        if (mkdir(folder, 0700) != 0 && errno != EEXIST) {
-            return false;
-        }
-        *slash = '/';
-    }
-    return true;
-}

@@ -126,11 +126,7 @@ int settings_read(struct settings *s, const char **name, int argc, char **argv)
          .kind = MU_OPTION_FLAG,
          .help = "list what each part counts, as Markdown, and end",
          .target = &s->counters},
-        {.name = "verbose",
-         .letter = 'v',
-         .kind = MU_OPTION_FLAG,
-         .help = "log what happens",
-         .target = &s->verbose},
+        MU_OPTION_VERBOSE(s->verbose),
     };
     static struct mu_options options;
     options = (struct mu_options){.program = "muster broker",
