@@ -149,11 +149,6 @@ void approach_take(struct approach *a, const struct approach_place *places, doub
     }
 }
 
-size_t approach_count(const struct approach *a)
-{
-    return a->count;
-}
-
 const struct mu_stats_pair *approach_pair(const struct approach *a, size_t index)
 {
     return index < a->count ? &a->pairs[index] : NULL;

@@ -27,9 +27,7 @@ void approach_begin(struct approach *a, size_t robots);
  */
 void approach_take(struct approach *a, const struct approach_place *places, double time_s);
 
-/** @return how many pairs are known; pairs from 0 on are in no order */
-size_t approach_count(const struct approach *a);
-const struct mu_stats_pair *approach_pair(const struct approach *a, size_t index);
+onst struct mu_stats_pair *approach_pair(const struct approach *a, size_t index);
 
 /** @return the pair that came nearest of those that a robot is one of; NULL: there is none */
 const struct mu_stats_pair *approach_of(const struct approach *a, size_t robot);
