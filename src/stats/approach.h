@@ -27,7 +27,8 @@ void approach_begin(struct approach *a, size_t robots);
  */
 void approach_take(struct approach *a, const struct approach_place *places, double time_s);
 
-onst struct mu_stats_pair *approach_pair(const struct approach *a, size_t index);
+/** @return a pair that is known, in no order; NULL: there are fewer */
+const struct mu_stats_pair *approach_pair(const struct approach *a, size_t index);
 
 /** @return the pair that came nearest of those that a robot is one of; NULL: there is none */
 const struct mu_stats_pair *approach_of(const struct approach *a, size_t robot);
