@@ -105,50 +105,57 @@ size_t percept_fact_count(const struct mind *m, size_t number)
     return mu_channels[number].plain ? 1 : count;
 }
 
-/* Replaces NaN and infinity by 0: they would spoil all that rules compute of them. */
-static void percept_make_finite(const struct mu_field *f, char *element)
+/* NaN and infinity become 0: they would spoil all that rules compute of them. */
+static void finite_double(double *x)
 {
-    double real;
-    float range;
-    if (f->type == MU_FIELD_double) {
-        memcpy(&real, element + f->at, sizeof real);
-        real = isfinite(real) ? real : 0;
-        memcpy(element + f->at, &real, sizeof real);
-    } else if (f->type == MU_FIELD_float) {
-        memcpy(&range, element + f->at, sizeof range);
-        range = isfinite(range) ? range : 0;
-        memcpy(element + f->at, &range, sizeof range);
-    }
+    *x = isfinite(*x) ? *x : 0;
 }
 
-static void percept_copy_list(struct mind *m, size_t number, const struct mu_percept *from)
+static void finite_float(float *x)
 {
-    const struct mu_channel *c = &mu_channels[number];
-    char *element = inputs_of(m)->lists[number].elements;
-    size_t count;
-    const void *list = mu_channel_list(c, from, &count);
-    count = count < c->most ? count : c->most;
-    mu_channel_set(c, &inputs_of(m)->percept, element, count);
-    if (count > 0) {
-        memcpy(element, list, count * c->bytes);
-    }
-    for (size_t i = 0; i < count; i++, element += c->bytes) {
-        for (size_t k = 0; k < c->field_count; k++) {
-            percept_make_finite(&c->fields[k], element);
-        }
-    }
+    *x = isfinite(*x) ? *x : 0;
 }
 
-static void percept_copy(struct mind *m, const struct mu_percept *p)
+static void finite_other(const void *x)
 {
-    inputs_of(m)->percept = *p;
-    inputs_of(m)->percept.robot = NULL; /* the caller's */
-    for (size_t i = 0; i < MU_READING_COUNT; i++) {
-        percept_make_finite(&mu_readings[i], (char *)&inputs_of(m)->percept);
+    (void)x; /* a whole number or a truth value */
+}
+
+/* clang-format off */
+#define FINITE(type, member, ...) \
+    _Generic(&to->member, double *: finite_double, float *: finite_float, \
+             default: finite_other)(&to->member);
+/* clang-format on */
+
+static void percept_finite_blob(struct mu_blob *to)
+{
+    MU_BLOB(FINITE)
+}
+
+static void percept_finite_fiducial(struct mu_fiducial *to)
+{
+    MU_FIDUCIAL(FINITE)
+}
+
+static void percept_copy(struct mind *m, const struct mu_percept *from)
+{
+    struct mu_percept *to = &inputs_of(m)->percept;
+    struct percept_elements *own = &inputs_of(m)->elements;
+    *to = *from;
+    to->robot = NULL; /* the caller's */
+    MU_READINGS(FINITE)
+#define COPY(id, senses, type, list, counted, most, ...)           \
+    to->counted = from->counted < (most) ? from->counted : (most); \
+    to->list = own->list;                                          \
+    for (size_t i = 0; i < to->counted; i++) {                     \
+        own->list[i] = from->list[i];                              \
+        _Generic(own->list, float *                              \
+                 : finite_float, struct mu_blob *                \
+                 : percept_finite_blob, struct mu_fiducial *     \
+                 : percept_finite_fiducial)(&own->list[i]); \
     }
-    for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
-        percept_copy_list(m, i, p);
-    }
+    MU_CHANNELS(COPY)
+#undef COPY
     inputs_of(m)->sensed = true;
 }
 

@@ -52,50 +52,59 @@ const char *sensors_color(uint32_t rgb, char bytes[8])
     return bytes;
 }
 
-static double sensors_real(enum mu_field_type type, const char *at)
+/* A field of a record, in the unit that the table names; the next one follows it. */
+static void set_MM(struct mind *m, struct multifield *fields, size_t at, double x)
 {
-    double real;
-    float range;
-    uint32_t bits;
-    switch (type) {
-    case MU_FIELD_double: memcpy(&real, at, sizeof real); return real;
-    case MU_FIELD_float: memcpy(&range, at, sizeof range); return (double)range;
-    case MU_FIELD_uint32_t: memcpy(&bits, at, sizeof bits); return (double)bits;
-    case MU_FIELD_int32_t: memcpy(&bits, at, sizeof bits); return (double)(int32_t)bits;
-    case MU_FIELD_bool: return *at;
-    }
-    return 0;
+    value_set_float(m->env, fields, at, x * 1000);
 }
 
-static void sensors_set_field(struct mind *m, const struct mu_field *f, const char *element,
-                              struct multifield *fields, size_t at)
+static void set_DEG(struct mind *m, struct multifield *fields, size_t at, double x)
 {
-    double x = sensors_real(f->type, element + f->at);
+    value_set_float(m->env, fields, at, x * VALUE_DEG);
+}
+
+static void set_HEADING(struct mind *m, struct multifield *fields, size_t at, double x)
+{
+    value_set_float(m->env, fields, at, value_norm_deg(x * VALUE_DEG));
+}
+
+static void set_COLOR(struct mind *m, struct multifield *fields, size_t at, uint32_t rgb)
+{
     char bytes[8];
-    switch (f->unit) {
-    case MU_UNIT_MM: x *= 1000; break;
-    case MU_UNIT_DEG: x *= VALUE_DEG; break;
-    case MU_UNIT_HEADING: x = value_norm_deg(x * VALUE_DEG); break;
-    case MU_UNIT_COLOR:
-        value_set_symbol(m->env, fields, at, sensors_color((uint32_t)x, bytes));
-        return;
-    case MU_UNIT_AS_IS: break;
-    }
-    if (f->type == MU_FIELD_int32_t) {
-        fields->theFields[at].type = INTEGER;
-        fields->theFields[at].value = EnvAddLong(m->env, (long long)x);
-    } else {
-        value_set_float(m->env, fields, at, x);
-    }
+    value_set_symbol(m->env, fields, at, sensors_color(rgb, bytes));
+}
+
+static void set_AS_IS(struct mind *m, struct multifield *fields, size_t at, long long x)
+{
+    fields->theFields[at].type = INTEGER;
+    fields->theFields[at].value = EnvAddLong(m->env, x);
+}
+
+#define FIELD(type, member, unit, ...) set_##unit(m, fields, at++, from->member);
+
+static void sensors_set_blob(struct mind *m, const struct mu_blob *from, struct multifield *fields,
+                             size_t at)
+{
+    MU_BLOB(FIELD)
+}
+
+static void sensors_set_fiducial(struct mind *m, const struct mu_fiducial *from,
+                                 struct multifield *fields, size_t at)
+{
+    MU_FIDUCIAL(FIELD)
 }
 
 void sensors_set(struct mind *m, const struct mu_channel *c, const void *elements, size_t count,
                  struct multifield *fields, size_t at)
 {
-    const char *element = elements;
-    for (size_t i = 0; i < count; i++, element += c->bytes) {
-        for (size_t k = 0; k < c->field_count; k++) {
-            sensors_set_field(m, &c->fields[k], element, fields, at++);
+    double scale = c->fields[0].unit == MU_UNIT_MM ? 1000 : 1;
+    for (size_t i = 0; i < count; i++, at += c->field_count) {
+        if (c->plain) {
+            value_set_float(m->env, fields, at, (double)((const float *)elements)[i] * scale);
+        } else if (c == &mu_channels[MU_CHANNEL_BLOBS]) {
+            sensors_set_blob(m, (const struct mu_blob *)elements + i, fields, at);
+        } else {
+            sensors_set_fiducial(m, (const struct mu_fiducial *)elements + i, fields, at);
         }
     }
 }
