@@ -81,7 +81,7 @@ struct failures_line {
 
 struct source_lines; /* source_lines.c */
 
-enum { HEAP_SIZES = 16 }; /* sizes of small blocks: 8, 16, ... bytes */
+enum { HEAP_SIZES = 24 }; /* sizes of small blocks: 8, 16, ... bytes */
 
 /* The memory of an environment: heap.c. */
 struct heap {
