@@ -33,7 +33,7 @@ void source_lines_install(struct mind *m)
 /* Takes the second word of a form, without its module.  @return false: it has none that fits */
 static bool place_name(const char *form, char name[MU_FIELD_MAX + 1])
 {
-    const char *at = form + 1;
+    const char *at = form + (*form == '(');
     struct syntax_field kind = syntax_read_field(&at);
     struct syntax_field word = syntax_read_field(&at);
     if (kind.kind != SYNTAX_FIELD_SYMBOL || kind.len < 4 || strncmp(kind.at, "def", 3) != 0 ||

@@ -117,3 +117,7 @@
 ; expect: [MUSTER1] Function send expected somebody to send to
 ; expect: FALSE
 ; expect: refused
+
+; An empty text has nothing behind its first letter.
+; line: (check-syntax "")
+; expect: MISSING-LEFT-PARENTHESIS
