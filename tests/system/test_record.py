@@ -102,8 +102,16 @@ def stranger_record(out, count):
         done = subprocess.run([program("stranger"), str(domain), str(count)], capture_output=True,
                               text=True, timeout=60, env=observer_environment())
         check_equal((done.returncode, done.stdout), (0, "done\n"), done.stderr)
+        wait_for(lambda: rests(path), 20, "a recorder that has heard that the writers left")
         record_end(record)
     return path
+
+
+def rests(path):
+    """Whether a recording, which is written each second, does not grow."""
+    before = path.stat().st_size
+    time.sleep(1.5)
+    return path.stat().st_size == before
 
 
 def samples_of(counts):
