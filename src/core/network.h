@@ -19,42 +19,24 @@ struct mu_network {
 
 /* Rows for a table of options; network is a struct mu_network that outlives the parsing. */
 #define MU_NETWORK_OPTIONS(network)                                                           \
-    {.name = "domain",                                                                        \
-     .kind = MU_OPTION_INTEGER,                                                               \
-     .unit = "D",                                                                             \
-     .environment = "MUSTER_DOMAIN",                                                          \
-     .help = "DDS domain",                                                                    \
-     .target = &(network).domain,                                                             \
-     .min = 0,                                                                                \
-     .max = MU_DOMAIN_MAX},                                                                   \
-        {.name = "interface",                                                                 \
-         .kind = MU_OPTION_STRING,                                                            \
-         .unit = "ADDRESS",                                                                   \
-         .environment = "MUSTER_INTERFACE",                                                   \
-         .help = "network interface (default: loopback alone)",                               \
-         .target = &(network).interface},                                                     \
-    {                                                                                         \
-        .name = "peer", .kind = MU_OPTION_LIST, .unit = "HOST", .environment = "MUSTER_PEER", \
-        .help = "host of brokers and simulator, when it is another; may "                     \
-                "stand several times",                                                        \
-        .target = &(network).peers                                                            \
-    }
+    MU_INTEGER("domain", "D", (network).domain, "DDS domain", .environment = "MUSTER_DOMAIN", \
+               .max = MU_DOMAIN_MAX),                                                         \
+        MU_STRING("interface", "ADDRESS", (network).interface,                                \
+                  "network interface (default: loopback alone)",                              \
+                  .environment = "MUSTER_INTERFACE"),                                         \
+        MU_LIST("peer", "HOST", (network).peers,                                              \
+                "host of brokers and simulator, when it is another; may stand several times", \
+                .environment = "MUSTER_PEER")
 
 /* The same for programs whose agents live with a broker. */
-#define MU_JOIN_OPTIONS(network)                                                            \
-    MU_NETWORK_OPTIONS(network),                                                            \
-        {.name = "broker",                                                                  \
-         .kind = MU_OPTION_STRING,                                                          \
-         .unit = "NAME",                                                                    \
-         .environment = "MUSTER_BROKER",                                                    \
-         .help = "broker to begin with (default: the first one of this host, "              \
-                 "else of another)",                                                        \
-         .target = &(network).broker},                                                      \
-    {                                                                                       \
-        .name = "wait-broker", .kind = MU_OPTION_REAL, .unit = "S",                         \
-        .environment = MU_NETWORK_WAIT, .help = "wait so long for a broker (default: 2.5)", \
-        .target = &(network).wait_broker_s, .min = 0, .max = 1e9                            \
-    }
+#define MU_JOIN_OPTIONS(network)                                                                 \
+    MU_NETWORK_OPTIONS(network),                                                                 \
+        MU_STRING("broker", "NAME", (network).broker,                                            \
+                  "broker to begin with (default: the first one of this host, else of another)", \
+                  .environment = "MUSTER_BROKER"),                                               \
+        MU_REAL("wait-broker", "S", (network).wait_broker_s,                                     \
+                "wait so long for a broker (default: 2.5)", .environment = MU_NETWORK_WAIT,      \
+                .max = 1e9)
 
 /* A run's children are told by it to wait for ever: they end with the run. */
 #define MU_NETWORK_WAIT "MUSTER_WAIT_BROKER"

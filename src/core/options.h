@@ -57,17 +57,31 @@ struct mu_option {
     char place[MU_OPTION_PLACE_MAX + 1]; /* "MUSTER_RATE", "/home/a/config:3"; else "" */
 };
 
+/*
+ * Rows of a table: the name, what stands for the value in --help, the target, the help text; then
+ * other members, if any.
+ *
+ *     MU_REAL("rate", "R", set.rate, "times real time", .fallback = "0", .max = 1e6),
+ */
+#define MU_FLAG(word, flag, ...) MU_OPTION_(FLAG, bool, word, NULL, flag, __VA_ARGS__)
+#define MU_STRING(word, value, string, ...) \
+    MU_OPTION_(STRING, const char *, word, value, string, __VA_ARGS__)
+#define MU_INTEGER(word, value, number, ...) \
+    MU_OPTION_(INTEGER, int64_t, word, value, number, __VA_ARGS__)
+#define MU_REAL(word, value, number, ...) MU_OPTION_(REAL, double, word, value, number, __VA_ARGS__)
+#define MU_LIST(word, value, list, ...) \
+    MU_OPTION_(LIST, struct mu_option_list, word, value, list, __VA_ARGS__)
+
+/* The condition never chooses NULL: it refuses a target of another type. */
+#define MU_OPTION_(of, type, word, value, variable, ...)                 \
+    {                                                                    \
+        .name = (word), .kind = MU_OPTION_##of, .unit = (value),         \
+        .target = true ? &(variable) : (type *)NULL, .help = __VA_ARGS__ \
+    }
+
 /* Rows that many programs have. */
-#define MU_OPTION_VERBOSE(flag)                                                               \
-    {                                                                                         \
-        .name = "verbose", .letter = 'v', .kind = MU_OPTION_FLAG, .help = "log what happens", \
-        .target = &(flag)                                                                     \
-    }
-#define MU_OPTION_QUIET(flag)                                   \
-    {                                                           \
-        .name = "quiet", .letter = 'q', .kind = MU_OPTION_FLAG, \
-        .help = "say only what goes wrong", .target = &(flag)   \
-    }
+#define MU_OPTION_VERBOSE(flag) MU_FLAG("verbose", flag, "log what happens", .letter = 'v')
+#define MU_OPTION_QUIET(flag)   MU_FLAG("quiet", flag, "say only what goes wrong", .letter = 'q')
 
 struct mu_options {
     const char *program; /* "muster run" */

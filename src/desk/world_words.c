@@ -81,8 +81,8 @@ static bool sensor_read(const struct order *o)
     o->c->senses = mu_sensor_bits(o->words[1]);
     o->c->on = strcmp(o->words[2], "on") == 0;
     if (o->c->senses == 0 || (!o->c->on && strcmp(o->words[2], "off") != 0)) {
-        snprintf(o->wrong, WORLD_WORDS_WRONG,
-                 "expected NAME, then %s or all, then on or off", MU_SENSOR_WORDS);
+        snprintf(o->wrong, WORLD_WORDS_WRONG, "expected NAME, then %s or all, then on or off",
+                 MU_SENSOR_WORDS);
         return false;
     }
     return name_read(o);

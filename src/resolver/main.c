@@ -41,11 +41,7 @@ static mu_result settings_parse(struct settings *set, int argc, char **argv)
 {
     struct mu_option table[] = {
         MU_JOIN_OPTIONS(set->network),
-        {.name = "name",
-         .kind = MU_OPTION_STRING,
-         .unit = "NAME",
-         .help = "name of the agent (default: resolver.SCHEME)",
-         .target = &set->name},
+        MU_STRING("name", "NAME", set->name, "name of the agent (default: resolver.SCHEME)"),
         MU_OPTION_VERBOSE(set->verbose),
     };
     static struct mu_options options;

@@ -51,20 +51,10 @@ static mu_result settings_parse(struct settings *set, int argc, char **argv)
 {
     struct mu_option table[] = {
         MU_JOIN_OPTIONS(set->network),
-        {.name = "port",
-         .letter = 'p',
-         .kind = MU_OPTION_INTEGER,
-         .unit = "N",
-         .fallback = "8642",
-         .environment = "MUSTER_WEB_PORT",
-         .help = "listen on this port of 127.0.0.1; 0: on any free one",
-         .target = &set->port,
-         .min = 0,
-         .max = 65535},
-        {.name = "read-only",
-         .kind = MU_OPTION_FLAG,
-         .help = "nobody acts from this page, whatever token he has",
-         .target = &set->read_only},
+        MU_INTEGER("port", "N", set->port, "listen on this port of 127.0.0.1; 0: on any free one",
+                   .letter = 'p', .fallback = "8642", .environment = "MUSTER_WEB_PORT",
+                   .max = 65535),
+        MU_FLAG("read-only", set->read_only, "nobody acts from this page, whatever token he has"),
         MU_OPTION_VERBOSE(set->verbose),
     };
     static struct mu_options options;
