@@ -28,11 +28,8 @@ struct stroke {
 
 struct chaos {
     struct bus_reader answers;
-    struct traffic *traffic; /* NULL: nobody's is struck */
     struct stroke strokes[EXPERIMENT_CHAOS_MAX];
     struct report_chaos fates[EXPERIMENT_CHAOS_MAX];
-    const char *parts[TRAFFIC_PARTS_MAX]; /* children whose packets may be struck, from 1 on */
-    unsigned parts_count;
     uint64_t go_seq; /* of the last word to go on */
 };
 
@@ -59,32 +56,13 @@ static const char *child_of(const struct run *r, const char *part, char name[RUN
     return name;
 }
 
-/* @return the number of a child among those whose packets may be struck; 0: it is none of them */
-static unsigned part_find(const struct chaos *c, const char *child)
-{
-    for (unsigned i = 1; i <= c->parts_count; i++) {
-        if (strcmp(c->parts[i], child) == 0) {
-            return i;
-        }
-    }
-    return 0;
-}
-
 static void part_add(struct run *r, const char *part)
 {
     char child[RUN_CHILD_MAX];
-    struct chaos *c = r->chaos;
     bool all = strcmp(part, "all") == 0;
-    if (!all && part_find(c, child_of(r, part, child)) == 0) {
-        MU_ASSERT(c->parts_count + 1 < TRAFFIC_PARTS_MAX); /* two for each of 64 pieces at most */
-        c->parts[++c->parts_count] = mu_startup_string(child);
-    }
-}
-
-void chaos_child(const struct run *r, const char *child)
-{
-    if (r->chaos && r->chaos->traffic) {
-        traffic_child(part_find(r->chaos, child));
+    if (!all && run_struck_find(r, child_of(r, part, child)) == 0) {
+        MU_ASSERT(r->struck_count + 1 < TRAFFIC_PARTS_MAX); /* two for each of 64 pieces at most */
+        r->struck[++r->struck_count] = mu_startup_string(child);
     }
 }
 
@@ -158,7 +136,7 @@ mu_result chaos_prepare(struct run *r, struct mu_fault *fault)
     }
     char library[PATH_MAX];
     if (traffic && (!mu_path_program(library, sizeof library, TRAFFIC_LIBRARY) ||
-                    traffic_make(&r->chaos->traffic, e->seed, library) != MU_OK)) {
+                    traffic_make(&r->traffic, e->seed, library) != MU_OK)) {
         return mu_fault_at(fault, e->file, 0, 0, "the system has no memory to share");
     }
     return MU_OK;
@@ -290,12 +268,12 @@ static void traffic_strike(struct run *r, const struct experiment_chaos *c, bool
 {
     char child[RUN_CHILD_MAX];
     double share = undo ? 0 : c->kind == CHAOS_CUT ? 1 : c->share;
-    unsigned one = part_find(r->chaos, child_of(r, c->who, child));
+    unsigned one = run_struck_find(r, child_of(r, c->who, child));
     bool all = strcmp(c->whom, "all") == 0;
-    unsigned other = all ? 0 : part_find(r->chaos, child_of(r, c->whom, child));
-    unsigned last = all ? r->chaos->parts_count : other;
+    unsigned other = all ? 0 : run_struck_find(r, child_of(r, c->whom, child));
+    unsigned last = all ? r->struck_count : other;
     for (; other <= last; other++) {
-        traffic_set(r->chaos->traffic, one, other, share, undo ? 0 : c->by_ms);
+        traffic_set(r->traffic, one, other, share, undo ? 0 : c->by_ms);
     }
 }
 
@@ -431,5 +409,5 @@ const struct report_chaos *chaos_fates(const struct run *r)
 
 uint64_t chaos_packets(const struct run *r)
 {
-    return r->chaos && r->chaos->traffic ? traffic_struck(r->chaos->traffic) : 0;
+    return r->traffic ? traffic_struck(r->traffic) : 0;
 }

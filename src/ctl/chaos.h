@@ -34,9 +34,6 @@ bool chaos_restarts_any(const struct run *r);
 /** @return whether it starts what a kill of it strikes again, then or later */
 bool chaos_restarts(const struct run *r, unsigned index);
 
-/** Says which part of the run is started next, before its process is. */
-void chaos_child(const struct run *r, const char *child);
-
 /** Opens what the simulator answers by. */
 MU_MUST_USE mu_result chaos_open(struct run *r);
 

@@ -8,6 +8,7 @@
 #include "core/text.h"
 #include "ctl/receivers.h"
 #include "desk/answer.h"
+#include "desk/reader.h"
 #include "muster/directory.h"
 #include "muster/memory.h"
 
@@ -73,7 +74,7 @@ static void targets_find(const struct operator* o, const char *to)
         target_add(name, true);
     }
     for (size_t i = 0; kind != MU_ADDRESS_NAMES && (m = mu_process_member(o->process, i)); i++) {
-        bool is_meant = receivers_have(o->process, to, m) && !operator_is_reader(m) &&
+        bool is_meant = receivers_have(o->process, to, m) && !reader_is(m) &&
                         strcmp(m->name, mu_agent_name(o->agent)) != 0;
         if (is_meant && (m->state != MU_GONE || kind == MU_ADDRESS_GROUP)) {
             target_add(m->name, m->state != MU_GONE);

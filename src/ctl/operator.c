@@ -5,7 +5,6 @@
 #include "core/exits.h"
 #include "core/fields.h"
 #include "core/json.h"
-#include "core/name.h"
 #include "core/text.h"
 #include "ctl/receivers.h"
 #include "ctl/words.h"
@@ -121,11 +120,6 @@ static void pages_await(mu_process *p)
 }
 
 /* --- joining ---------------------------------------------------------------------------------- */
-
-bool operator_is_reader(const struct mu_member *m)
-{
-    return m->kind == MU_KIND_SPECIAL && mu_name_of_operator(m->name);
-}
 
 /* attempt: readers have one name after another, until one is free */
 static void agent_join(struct operator* o, const struct operator_options *options, unsigned attempt)

@@ -68,9 +68,6 @@ struct operator
 MU_MUST_USE mu_result operator_parse(struct mu_options *o, int argc, char **argv,
                                      struct operator_options *options);
 
-/** @return whether that is a verb that only reads, somebody's or our own */
-bool operator_is_reader(const struct mu_member *m);
-
 /**
  * Joins and waits for the broker's word and all of its pages.  A name that another verb holds is
  * waited for.

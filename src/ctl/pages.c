@@ -5,6 +5,7 @@
 #include "ctl/operator.h"
 #include "ctl/verbs.h"
 #include "ctl/words.h"
+#include "desk/reader.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -168,7 +169,7 @@ int pages_verb_ps(int argc, char **argv)
     head_print(options.json);
     const struct mu_member *m;
     for (size_t i = 0; (m = mu_process_member(op.process, i)); i++) {
-        if (!operator_is_reader(m)) {
+        if (!reader_is(m)) {
             member_print(m, options.json, NULL);
         }
     }

@@ -3,7 +3,7 @@
 
 #include "core/address.h"
 #include "core/name.h"
-#include "ctl/operator.h"
+#include "desk/reader.h"
 #include "muster/directory.h"
 
 #include <stdio.h>
@@ -66,7 +66,7 @@ unsigned receivers_count(const mu_process *p, const char *to, const char *from, 
     unsigned count = 0;
     const struct mu_member *m;
     for (size_t i = 0; (m = mu_process_member(p, i)); i++) {
-        count += m->state != MU_GONE && strcmp(m->name, from) != 0 && !operator_is_reader(m) &&
+        count += m->state != MU_GONE && strcmp(m->name, from) != 0 && !reader_is(m) &&
                  receivers_have(p, to, m) && (!robots_only || m->kind == MU_KIND_ROBOT);
     }
     return count;

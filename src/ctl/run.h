@@ -7,6 +7,7 @@
 #define MUSTER_CTL_RUN_H
 
 #include "bus/bus.h"
+#include "bus/traffic.h"
 #include "ctl/supervise.h"
 #include "experiment/experiment.h"
 #include "muster/agent.h"
@@ -16,7 +17,6 @@
 #include "world/model/world.h"
 
 #include <limits.h>
-#include <signal.h>
 
 struct run_options {
     const char *file;
@@ -31,9 +31,6 @@ struct run_options {
     size_t seeds_count;    /* 0: it is one run */
     int64_t jobs;          /* of a series: runs at once; 0: one for each processor */
 };
-
-/** Reads the command line of muster run, in run_options.c.  @return as mu_options_parse */
-MU_MUST_USE mu_result run_options_parse(struct run_options *out, int argc, char **argv);
 
 /* A child, by what it is. */
 enum run_kind { RUN_BROKER, RUN_SIMULATOR, RUN_RESOLVER, RUN_HOST, RUN_CREW, RUN_MONITOR };
@@ -71,9 +68,12 @@ struct run {
     bool monitors_late[EXPERIMENT_MONITORS_MAX]; /* so slow that they were ended after the run */
     mu_process *process;
     mu_agent *observer;
-    struct run_observer *console; /* of the observer */
-    struct run_inputs *inputs;    /* of a recording; NULL: there are none */
-    struct chaos *chaos;          /* NULL: the experiment has none */
+    struct run_observer *console;          /* of the observer */
+    struct run_inputs *inputs;             /* of a recording; NULL: there are none */
+    struct chaos *chaos;                   /* NULL: the experiment has none */
+    struct traffic *traffic;               /* NULL: nobody's packets are struck */
+    const char *struck[TRAFFIC_PARTS_MAX]; /* children whose packets may be, from 1 on */
+    unsigned struck_count;
     struct bus_reader status, broker_status;
     struct bus_writer command;
     char simulator[MU_PROCESS_MAX + 1]; /* known once it has said something */
@@ -96,9 +96,6 @@ struct run {
     uint64_t began_wall_ns, progress_wall_ns, round_wall_ns;
     uint64_t silent_ns; /* since the simulator was heard of last */
 };
-
-/** A signal asked the run to end. */
-extern volatile sig_atomic_t run_signal;
 
 enum { RUN_CHILD_MAX = sizeof "broker." + MU_NAME_MAX };
 
@@ -134,7 +131,7 @@ void run_command_write(const struct run *r, char *buffer, size_t size);
  * there.  @param due_s  simulated time before which the word does not come; < 0: at once */
 void run_wake(struct run *r, const char *child, double due_s);
 
-/** @return whether a child that is started again goes on from its checkpoint, in run_restart.c */
+/** @return whether a child that is started again goes on from its checkpoint, in run.c */
 bool run_remembers(const struct run *r, const struct child *child);
 
 /** Says on standard error that something that the experiment named did not happen, and keeps it for
@@ -143,6 +140,26 @@ void run_undone_note(struct run *r, const char *format, ...) __attribute__((form
 
 /** Keeps what a broker has counted, because it is about to die. */
 void run_mail_keep(struct run *r, const char *child);
+
+/** @return what all brokers have counted, in all of their lives */
+struct report_mail run_mail_of(const struct run *r);
+
+/** @return the number of a child among those whose packets may be struck; 0: it is none of them */
+unsigned run_struck_find(const struct run *r, const char *child);
+
+/** Says which part of the run is started next, before its process is. */
+void run_struck_next(const struct run *r, const char *child);
+
+/**
+ * Reads the experiment and all that it names, and makes the folder of the report, unless the
+ * options ask for a series.
+ *
+ * @return MU_OK, or a fault, explained
+ */
+MU_MUST_USE mu_result run_prepare(struct run *r);
+
+/** Lives through a run that is prepared, and reports it.  @return the exit code */
+int run_live(struct run *r);
 
 /** Starts brokers, simulator, resolvers and robots, in run_start.c.  @return MU_OK, or a fault,
  *  explained */
@@ -183,7 +200,7 @@ MU_MUST_USE mu_result run_start_again(struct run *r, struct child *child);
 /* The folder of capsules and stores, in the report's. */
 #define RUN_CHECKPOINTS "checkpoints"
 
-/** @return whether anything of the run may be started again when it dies, in run_restart.c */
+/** @return whether anything of the run may be started again when it dies, in run.c */
 bool run_restarts_any(const struct run *r);
 
 /** @return whether a child is started again by itself when it dies */
@@ -204,7 +221,7 @@ const struct child *run_restart_look(struct run *r);
 bool run_pages_own(const struct run *r, const struct experiment_robot *robot);
 
 /**
- * Enters the other robots' groups and services, in run_pages.c: as many as can be under way, the
+ * Enters the other robots' groups and services, in run_orders.c: as many as can be under way, the
  * next time more.  The lock step sees them as they are when it begins.
  *
  * @return whether the broker has answered for all of them
@@ -218,12 +235,9 @@ bool run_pages_take(struct run *r, const struct mu_mail *mail);
  * mu_agent_send */
 MU_MUST_USE mu_result run_directive_send(struct run *r, struct mu_mail mail);
 
-/**
- * Sends what the index-th command launches, in run_launch.c.
- *
- * @return as mu_agent_send; MU_FAULT_FILE: what is wrong with its rules is said
- */
-MU_MUST_USE mu_result run_launch_tell(struct run *r, unsigned index);
+/** Sends everything that the observer will ever command, before the first step.  @return as
+ * mu_agent_send; MU_FAULT_FILE: what is wrong with a launched agent's rules is said */
+MU_MUST_USE mu_result run_commands_send(struct run *r);
 
 /** Makes the observer's console, in run_observer.c. */
 void run_observer_open(struct run *r);

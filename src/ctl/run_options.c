@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the command line of muster run says. */
+/* muster run: one run of an experiment, or a series. */
+#include "core/exits.h"
 #include "core/options.h"
 #include "ctl/run.h"
 #include "ctl/series.h"
+#include "ctl/verbs.h"
+#include "muster/memory.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -134,7 +137,7 @@ static mu_result seeds_parse(void)
     return MU_OK;
 }
 
-mu_result run_options_parse(struct run_options *out, int argc, char **argv)
+static mu_result options_parse(struct run_options *out, int argc, char **argv)
 {
     static struct mu_options options = {
         .program = "muster run",
@@ -162,4 +165,16 @@ mu_result run_options_parse(struct run_options *out, int argc, char **argv)
     parsed = chosen_seeds ? seeds_parse() : MU_OK;
     *out = chosen;
     return parsed;
+}
+
+int run_verb(int argc, char **argv)
+{
+    struct run *r = mu_startup_alloc(sizeof *r);
+    mu_result ready = options_parse(&r->options, argc, argv);
+    ready = ready == MU_OK ? run_prepare(r) : ready;
+    if (ready != MU_OK) {
+        return mu_exit_for(ready);
+    }
+    supervise_signals_note();
+    return r->options.seeds_count > 0 ? series_run(&r->options, r->experiment) : run_live(r);
 }

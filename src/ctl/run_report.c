@@ -11,37 +11,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static void mail_add(struct report_mail *m, const muster_BrokerStatus *b)
-{
-    if (b->lockstep.ended > 0) {
-        m->sent += b->lockstep.sent;
-        m->delivered += b->lockstep.delivered;
-        m->waiting += b->lockstep.waiting;
-        m->expired += b->lockstep.expired;
-        m->refused += b->lockstep.refused;
-        return;
-    }
-    m->sent += b->sent;
-    m->delivered += b->delivered;
-    m->waiting += b->waiting;
-    m->expired += b->expired;
-    m->refused +=
-        b->box_full + b->over_share + b->unknown_name + b->refused + b->dropped + b->no_store;
-}
-
-/* What waits in it may wait in its next life, too. */
-void run_mail_keep(struct run *r, const char *child)
-{
-    char name[RUN_CHILD_MAX];
-    for (unsigned i = 0; i < run_brokers(r); i++) {
-        run_child_name(r, i, name);
-        if (strcmp(name, child) == 0) {
-            mail_add(&r->mail_before[i], &r->mail[i]);
-            r->mail[i] = (muster_BrokerStatus){.broker = NULL};
-        }
-    }
-}
-
 static void undone_add(struct run *r, const char *text)
 {
     if (r->undone_count < RUN_UNDONE_MAX) {
@@ -80,27 +49,6 @@ static void undone_gather(struct run *r, struct report_input *in)
     }
     in->undone = r->undone;
     in->undone_count = r->undone_count;
-}
-
-static struct report_mail mail_of(const struct run *r)
-{
-    struct report_mail m = {0};
-    for (unsigned i = 0; i < run_brokers(r); i++) {
-        mail_add(&m, &r->mail[i]);
-    }
-    for (unsigned i = 0; i < run_brokers(r); i++) {
-        const struct report_mail *before = &r->mail_before[i];
-        m.sent += before->sent;
-        m.delivered += before->delivered;
-        m.expired += before->expired;
-        m.refused += before->refused;
-    }
-    uint64_t accounted = m.delivered + m.waiting + m.expired + m.refused;
-    m.lost = m.sent > accounted ? m.sent - accounted : 0;
-    for (uint32_t i = 0; i < r->totals_count; i++) {
-        m.duplicated += r->totals[i].mails_duplicated;
-    }
-    return m;
 }
 
 static void text_print(const struct run *r, const struct report_input *in,
@@ -159,23 +107,6 @@ void run_summary_print(const char *folder)
     }
 }
 
-void run_command_write(const struct run *r, char *buffer, size_t size)
-{
-    struct mu_text t;
-    mu_text_init(&t, buffer, size);
-    mu_text_format(&t, "muster run %s --seed %" PRIu64 " --duration %g", r->options.file,
-                   r->experiment->seed, r->experiment->duration);
-    for (size_t i = 0; i < r->options.set_count; i++) {
-        mu_text_format(&t, " --set '%s'", r->options.set[i]);
-    }
-    if (r->options.free) {
-        mu_text_add(&t, " --free");
-    }
-    if (r->options.programs) {
-        mu_text_add(&t, " --programs");
-    }
-}
-
 static bool is_in_experiment(const struct run *r, const char *name)
 {
     for (unsigned i = 0; i < r->experiment->robots_count; i++) {
@@ -184,16 +115,6 @@ static bool is_in_experiment(const struct run *r, const char *name)
         }
     }
     return false;
-}
-
-char *run_robot_name(const struct run *r, const char *name)
-{
-    for (size_t i = 0; i < r->world->robot_count; i++) {
-        if (strcmp(r->world->robots[i].name, name) == 0) {
-            return r->world->robots[i].name;
-        }
-    }
-    return NULL;
 }
 
 static const muster_RobotTotals *totals_find(const struct run *r, const char *name)
@@ -307,7 +228,7 @@ int run_report(struct run *r)
     input.free = r->options.free;
     files_fill(r, &input);
     input.versions = versions;
-    input.mail = mail_of(r);
+    input.mail = run_mail_of(r);
     input.chaos = chaos_fates(r);
     input.packets_struck = chaos_packets(r);
     input.monitors_count = run_monitors_fates(r, &input.monitors);

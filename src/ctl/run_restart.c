@@ -13,48 +13,6 @@ static const uint64_t PAUSE_NS = 500000000; /* before the first time: who died i
                                               second; doubled for each one more */
 static const uint64_t PAUSE_MAX_NS = 2000000000;
 
-static bool crew_restarts(const struct run *r, unsigned crew)
-{
-    const struct experiment *e = r->experiment;
-    return e->robots[e->crews[crew].robot].on_crash == EXPERIMENT_RESTART;
-}
-
-bool run_restarts_any(const struct run *r)
-{
-    const struct experiment *e = r->experiment;
-    bool any = e->on_crash == EXPERIMENT_RESTART;
-    for (unsigned i = 0; i < e->crews_count; i++) {
-        any = any || crew_restarts(r, i);
-    }
-    return any;
-}
-
-bool run_restarts_brokers(const struct run *r)
-{
-    return r->experiment->on_crash == EXPERIMENT_RESTART && r->options.free;
-}
-
-bool run_remembers(const struct run *r, const struct child *child)
-{
-    struct run_part part = run_part_of(r, child);
-    const struct experiment *e = r->experiment;
-    return part.kind == RUN_CREW && crew_restarts(r, part.index) &&
-           e->robots[e->crews[part.index].robot].checkpoint_s > 0;
-}
-
-static bool part_restarts(const struct run *r, struct run_part part)
-{
-    switch (part.kind) {
-    case RUN_BROKER: return run_restarts_brokers(r);
-    case RUN_RESOLVER:
-    case RUN_HOST: return r->experiment->on_crash == EXPERIMENT_RESTART;
-    case RUN_CREW: return crew_restarts(r, part.index);
-    case RUN_SIMULATOR: /* the world is in it alone */
-    case RUN_MONITOR: break;
-    }
-    return false;
-}
-
 /* What is wrong with its files or its command line is so the next time, too. */
 static bool is_hopeless(const struct child *child)
 {
@@ -66,11 +24,6 @@ static uint64_t pause_ns(const struct child *child)
 {
     uint64_t pause = child->restarts < 16 ? PAUSE_NS << child->restarts : PAUSE_MAX_NS;
     return pause < PAUSE_MAX_NS ? pause : PAUSE_MAX_NS;
-}
-
-bool run_restarts(const struct run *r, const struct child *child)
-{
-    return part_restarts(r, run_part_of(r, child));
 }
 
 static bool may_restart(const struct run *r, const struct child *child)

@@ -68,25 +68,9 @@ static mu_result child_start(struct run *r, struct child *again, const char *nam
                              const char *program)
 {
     const char *const *argv = words_end();
-    chaos_child(r, name);
+    run_struck_next(r, name);
     return again ? supervise_start_again(&r->children, again, program, argv)
                  : supervise_start(&r->children, name, program, argv);
-}
-
-unsigned run_brokers(const struct run *r)
-{
-    return r->experiment->brokers_count > 0 ? r->experiment->brokers_count : 1;
-}
-
-const char *run_broker(const struct run *r, unsigned index)
-{
-    return r->experiment->brokers_count > 0 ? r->experiment->brokers[index] : "main";
-}
-
-void run_child_name(const struct run *r, unsigned index, char *name)
-{
-    snprintf(name, RUN_CHILD_MAX, "broker%s%s", index ? "." : "",
-             index ? run_broker(r, index) : "");
 }
 
 static mu_result broker_start(struct run *r, unsigned index, struct child *again)
@@ -220,7 +204,7 @@ static mu_result simulator_start(struct run *r)
         word_add("--event=%s", e->events[i]);
     }
     if (simulator_is_wide(e)) {
-        chaos_child(r, "simulator");
+        run_struck_next(r, "simulator");
         return supervise_start_wide(&r->children, "simulator", "muster-sim", words_end());
     }
     return child_start(r, NULL, "simulator", "muster-sim");
@@ -361,11 +345,6 @@ mu_result run_start_again(struct run *r, struct child *child)
     return MU_REFUSED;
 }
 
-struct run_part run_part_of(const struct run *r, const struct child *child)
-{
-    return r->parts[child - r->children.children];
-}
-
 /* What a program of the user's joins by, as our own have it from their command lines. */
 static mu_result program_start(struct run *r, const struct experiment_monitor *m, const char *log)
 {
@@ -381,7 +360,7 @@ static mu_result monitor_start(struct run *r, const struct experiment_monitor *m
 {
     char log[PATH_MAX + MU_NAME_MAX + 8];
     snprintf(log, sizeof log, "%s/%s.log", r->folder, m->name);
-    chaos_child(r, m->name);
+    run_struck_next(r, m->name);
     if (m->program) {
         return program_start(r, m, log);
     }

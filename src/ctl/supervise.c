@@ -19,6 +19,21 @@
 #include <time.h>
 #include <unistd.h>
 
+volatile sig_atomic_t run_signal;
+
+static void signal_note(int number)
+{
+    run_signal = number;
+}
+
+void supervise_signals_note(void)
+{
+    struct sigaction note = {.sa_handler = signal_note};
+    sigaction(SIGINT, &note, NULL);
+    sigaction(SIGTERM, &note, NULL);
+    sigaction(SIGHUP, &note, NULL);
+}
+
 void supervise_init(struct supervise *s, bool quiet, bool spread)
 {
     *s = (struct supervise){.quiet = quiet};

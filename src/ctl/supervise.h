@@ -12,6 +12,7 @@
 #include "muster/result.h"
 
 #include <sched.h>
+#include <signal.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <sys/types.h>
@@ -48,6 +49,12 @@ struct supervise {
     bool spread;          /* each child stays on one processor, they take turns */
     cpu_set_t processors; /* that we may use */
 };
+
+/** A signal asked the run to end. */
+extern volatile sig_atomic_t run_signal;
+
+/** Lets SIGINT, SIGTERM and SIGHUP set run_signal. */
+void supervise_signals_note(void);
 
 /**
  * Takes memory at start-up.

@@ -257,11 +257,6 @@ static int compare(struct verify *v)
 
 /* --- the verb --------------------------------------------------------------------------------- */
 
-static void signal_note(int number)
-{
-    run_signal = number;
-}
-
 /* @return the exit code of what cannot be verified; what is wrong is said */
 static int recording_check(const struct verify *v)
 {
@@ -334,9 +329,7 @@ int verify_verb(int argc, char **argv)
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
     }
-    struct sigaction note_it = {.sa_handler = signal_note};
-    sigaction(SIGINT, &note_it, NULL);
-    sigaction(SIGTERM, &note_it, NULL);
+    supervise_signals_note();
     struct verify *v = mu_startup_alloc(sizeof *v);
     v->file = o.words[0];
     int code = recording_read(v);

@@ -80,28 +80,6 @@ static int output_close(struct output *output, int code)
     return failed;
 }
 
-bool world_files_picture(const struct world_files_options *options, const char *picture, char *path,
-                         size_t size)
-{
-    char own[PATH_MAX];
-    char folder[PATH_MAX];
-    char whole[PATH_MAX];
-    if (!realpath(picture, own)) {
-        return false;
-    }
-    const char *name = strrchr(own, '/') + 1;
-    snprintf(folder, sizeof folder, "%s", options->out ? options->out : "");
-    char *slash = strrchr(folder, '/');
-    if (slash) {
-        slash[1] = '\0';
-    }
-    bool beside = options->out && realpath(slash ? folder : ".", whole) &&
-                  strlen(whole) == (size_t)(name - 1 - own) &&
-                  strncmp(whole, own, strlen(whole)) == 0;
-    int len = snprintf(path, size, "%s", beside ? name : own);
-    return len > 0 && (size_t)len < size;
-}
-
 static bool import_is_map(const char *path)
 {
     const char *dot = strrchr(path, '.');

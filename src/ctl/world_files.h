@@ -44,7 +44,7 @@ MU_MUST_USE mu_result world_files_import_stage(const struct world_files_options 
  *
  * @return whether it is there and its path is short enough
  */
-bool world_files_picture(const struct world_files_options *options, const char *picture, char *path,
-                         size_t size);
+bool world_import_picture(const struct world_files_options *options, const char *picture,
+                          char *path, size_t size);
 
 #endif

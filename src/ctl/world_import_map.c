@@ -11,10 +11,33 @@
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
 enum { MAP_BYTES_MAX = 1 << 16 };
+
+bool world_import_picture(const struct world_files_options *options, const char *picture,
+                          char *path, size_t size)
+{
+    char own[PATH_MAX];
+    char folder[PATH_MAX];
+    char whole[PATH_MAX];
+    if (!realpath(picture, own)) {
+        return false;
+    }
+    const char *name = strrchr(own, '/') + 1;
+    snprintf(folder, sizeof folder, "%s", options->out ? options->out : "");
+    char *slash = strrchr(folder, '/');
+    if (slash) {
+        slash[1] = '\0';
+    }
+    bool beside = options->out && realpath(slash ? folder : ".", whole) &&
+                  strlen(whole) == (size_t)(name - 1 - own) &&
+                  strncmp(whole, own, strlen(whole)) == 0;
+    int len = snprintf(path, size, "%s", beside ? name : own);
+    return len > 0 && (size_t)len < size;
+}
 
 struct map {
     struct yaml_tree *tree;
@@ -172,7 +195,7 @@ static mu_result map_read_picture(struct map *m, const struct world_files_option
         return yaml_tree_fault(m->tree, node, m->fault, "cannot read the picture '%.200s': %s",
                                beside, problem);
     }
-    if (!world_files_picture(options, beside, path, PATH_MAX) || strchr(path, '"')) {
+    if (!world_import_picture(options, beside, path, PATH_MAX) || strchr(path, '"')) {
         return yaml_tree_fault(m->tree, node, m->fault, "expected a path without quotes");
     }
     return MU_OK;

@@ -125,7 +125,7 @@ static mu_result stage_print_bitmap(const struct stage *s, const struct worldfil
     char beside[MU_FAULT_FILE_MAX + 1];
     char path[PATH_MAX];
     if (!worldfile_path(p->at.file, p->values[0].text, beside, sizeof beside) ||
-        !world_files_picture(s->options, beside, path, sizeof path) || strchr(path, '"')) {
+        !world_import_picture(s->options, beside, path, sizeof path) || strchr(path, '"')) {
         return mu_fault_at(s->fault, p->at.file, p->at.line, p->at.column,
                            "expected a picture with a shorter path without quotes");
     }

@@ -8,7 +8,7 @@
 #ifndef MUSTER_DESK_READER_H
 #define MUSTER_DESK_READER_H
 
-#include "muster/limits.h"
+#include "muster/directory.h"
 
 #include <stdbool.h>
 
@@ -20,5 +20,8 @@
  *                 away
  */
 void reader_name(char name[MU_NAME_MAX + 1], unsigned attempt, bool stays);
+
+/** @return whether that is a verb that only reads, somebody's or our own */
+bool reader_is(const struct mu_member *m);
 
 #endif
