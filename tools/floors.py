@@ -20,6 +20,8 @@ FLOORS = {
     "world/model": "world.h",
     "world/read": "builder.h",
     "world": "world_load.h",
+    "story": "story.h",
+    "desk": "desk.h",
     "planner": "planner.h",
     "mind/interface": "interface.h",
     "mind/syntax": "syntax.h",

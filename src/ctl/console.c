@@ -6,9 +6,7 @@
 #include "ctl/operator.h"
 #include "ctl/verbs.h"
 #include "ctl/words.h"
-#include "desk/answer.h"
-#include "desk/console_link.h"
-#include "desk/forms.h"
+#include "desk/desk.h"
 #include "muster/memory.h"
 
 #include <errno.h>

@@ -2,7 +2,7 @@
 #include "ctl/console_edit.h"
 
 #include "core/text.h"
-#include "desk/complete.h"
+#include "desk/desk.h"
 
 #include <errno.h>
 #include <histedit.h>

@@ -16,7 +16,7 @@ struct console_edit_hooks {
     const char *(*prompt)(void *self);
     /** Waits until something is typed.  @return false: interrupted, or there is no more to do */
     bool (*wait)(void *self);
-    /** @return the words for completion, as complete.h has them, up to date if that was possible */
+    /** @return the words for completion, as complete.c has them, up to date if that was possible */
     const char *(*words)(void *self);
 };
 

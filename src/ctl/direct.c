@@ -7,8 +7,7 @@
 #include "core/json.h"
 #include "core/text.h"
 #include "ctl/receivers.h"
-#include "desk/answer.h"
-#include "desk/reader.h"
+#include "desk/desk.h"
 #include "muster/directory.h"
 #include "muster/memory.h"
 

@@ -8,7 +8,7 @@
 #include "core/spell.h"
 #include "core/text.h"
 #include "ctl/verbs.h"
-#include "desk/runs.h"
+#include "desk/desk.h"
 
 #include <errno.h>
 #include <limits.h>

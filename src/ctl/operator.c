@@ -8,9 +8,7 @@
 #include "core/text.h"
 #include "ctl/receivers.h"
 #include "ctl/words.h"
-#include "desk/answer.h"
-#include "desk/reader.h"
-#include "desk/runs.h"
+#include "desk/desk.h"
 #include "muster/directory.h"
 #include "runtime/join.h"
 

@@ -5,7 +5,7 @@
 #include "ctl/operator.h"
 #include "ctl/verbs.h"
 #include "ctl/words.h"
-#include "desk/reader.h"
+#include "desk/desk.h"
 
 #include <inttypes.h>
 #include <stdio.h>

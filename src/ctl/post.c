@@ -9,7 +9,7 @@
 #include "ctl/receivers.h"
 #include "ctl/verbs.h"
 #include "ctl/words.h"
-#include "desk/answer.h"
+#include "desk/desk.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 
 #include "core/address.h"
 #include "core/name.h"
-#include "desk/reader.h"
+#include "desk/desk.h"
 #include "muster/directory.h"
 
 #include <stdio.h>

@@ -8,7 +8,7 @@
 #define MUSTER_CTL_REMAKE_H
 
 #include "ctl/run.h"
-#include "story/recording.h"
+#include "story/story.h"
 
 /** Writes folder/run.csv anew.  @return MU_OK, or MU_FAULT_OS with the path */
 MU_MUST_USE mu_result remake_csv(struct recording *recording, const char *folder,

@@ -8,7 +8,7 @@
 
 #include "bus/bus.h"
 #include "muster/agent.h"
-#include "story/recording.h"
+#include "story/story.h"
 
 struct run_inputs;
 

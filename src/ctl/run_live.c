@@ -14,7 +14,7 @@
 #include "core/network.h"
 #include "core/paths.h"
 #include "core/text.h"
-#include "desk/runs.h"
+#include "desk/desk.h"
 #include "muster/directory.h"
 #include "muster/memory.h"
 #include "runtime/process.h"

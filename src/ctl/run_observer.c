@@ -11,7 +11,7 @@
 #include "ctl/observer.h"
 #include "ctl/receivers.h"
 #include "ctl/run.h"
-#include "desk/answer.h"
+#include "desk/desk.h"
 #include "muster/directory.h"
 #include "muster/kind.h"
 #include "muster/memory.h"

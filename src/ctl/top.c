@@ -7,7 +7,7 @@
 #include "ctl/top_screen.h"
 #include "ctl/top_table.h"
 #include "ctl/verbs.h"
-#include "desk/runs.h"
+#include "desk/desk.h"
 #include "muster/memory.h"
 
 #include <poll.h>

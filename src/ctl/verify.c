@@ -14,7 +14,7 @@
 #include "ctl/unpack.h"
 #include "ctl/verbs.h"
 #include "muster/memory.h"
-#include "story/differ.h"
+#include "story/story.h"
 
 #include <errno.h>
 #include <stdio.h>

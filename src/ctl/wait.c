@@ -6,7 +6,7 @@
 #include "ctl/operator.h"
 #include "ctl/verbs.h"
 #include "ctl/words.h"
-#include "desk/runs.h"
+#include "desk/desk.h"
 #include "runtime/process.h"
 
 #include <stdio.h>

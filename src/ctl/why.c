@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster why: from a stall, a speed or a fact of a recording back to what was sensed, or said. */
-#include "story/why.h"
+#include "story/story.h"
 
 #include "core/exits.h"
 #include "core/json.h"
 #include "core/options.h"
 #include "ctl/verbs.h"
 #include "muster/memory.h"
-#include "story/stalls.h"
 
 #include <glob.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "desk/answer.h"
+#include "desk/desk.h"
 
 #include "core/exits.h"
 #include "core/json.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "desk/complete.h"
+#include "desk/desk.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "desk/console_link.h"
+#include "desk/desk.h"
 
 #include "core/clock.h"
 #include "core/exits.h"
 #include "core/text.h"
-#include "desk/answer.h"
 
 #include <stdarg.h>
 #include <stdio.h>

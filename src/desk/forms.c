@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "desk/forms.h"
+#include "desk/desk.h"
 
 #include <string.h>
 

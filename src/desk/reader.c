@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "desk/reader.h"
+#include "desk/desk.h"
 
 #include "core/name.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "desk/runs.h"
+#include "desk/desk.h"
 
 #include "bus/bus.h"
 #include "core/text.h"

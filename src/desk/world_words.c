@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "desk/world_words.h"
+#include "desk/desk.h"
 
 #include "core/sensors.h"
 #include "core/text.h"

@@ -2,7 +2,7 @@
 #include "muster/memory.h"
 #include "muster/stats.h"
 #include "report/report_data.h"
-#include "stats/explored.h"
+#include "stats/stats.h"
 #include "world/model/world.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "stats/explored.h"
+#include "stats/stats.h"
 
 #include "muster/limits.h"
 #include "muster/memory.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "stats/goal.h"
+#include "stats/stats.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -4,9 +4,7 @@
 #include "core/rounded.h"
 #include "core/text.h"
 #include "muster/memory.h"
-#include "stats/approach.h"
-#include "stats/explored.h"
-#include "stats/goal.h"
+#include "stats/stats.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "story/differ.h"
+#include "story/story.h"
 
 #include "core/text.h"
 

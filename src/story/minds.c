@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "story/minds.h"
+#include "story/story.h"
 
 #include "muster/memory.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "story/recording.h"
+#include "story/story.h"
 
 #include "bus/bus.h"
 #include "bus/raw/raw.h"
@@ -235,7 +235,7 @@ void recording_rewind(struct recording *r)
     channel_pick(r, r->frames);
 }
 
-/* Steps are counted from 0, and in 32 bits where there are many of them (minds.h). */
+/* Steps are counted from 0, and in 32 bits where there are many of them (minds.c). */
 static bool step_fits(const muster_Frame *f)
 {
     return f->step >= 0 && f->step < UINT32_MAX;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "story/stalls.h"
+#include "story/story.h"
 
 #include <math.h>
 #include <stdio.h>

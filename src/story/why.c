@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "story/why.h"
+#include "story/story.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The linker made objects of the files; their symbols are named after their paths. */
-#include "web/assets.h"
+#include "web/web.h"
 
 #include <string.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "web/beams.h"
+#include "web/json.h"
 
 static unsigned beam_cm(float range_m)
 {

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "web/consoles.h"
+#include "web/web.h"
 
 #include "core/clock.h"
 #include "core/name.h"
-#include "desk/complete.h"
-#include "desk/reader.h"
+#include "desk/desk.h"
 #include "muster/memory.h"
 
 #include <stdio.h>

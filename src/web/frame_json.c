@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "web/frame_json.h"
+#include "web/json.h"
 
 #include "bus/percept.h"
 #include "core/sensors.h"
 #include "core/text.h"
-#include "web/beams.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "web/guard.h"
+#include "web/web.h"
 
 #include <stdio.h>
 #include <string.h>

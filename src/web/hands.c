@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "web/hands.h"
+#include "web/web.h"
 
 #include "core/clock.h"
 #include "core/text.h"
-#include "desk/world_words.h"
+#include "desk/desk.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "web/lobby.h"
+#include "web/web.h"
 
 #include <sys/socket.h>
 

@@ -5,11 +5,10 @@
 #include "core/log.h"
 #include "core/network.h"
 #include "core/options.h"
-#include "desk/runs.h"
+#include "desk/desk.h"
 #include "muster/memory.h"
 #include "runtime/process.h"
-#include "web/server.h"
-#include "web/watch.h"
+#include "web/web.h"
 
 #include <poll.h>
 #include <signal.h>

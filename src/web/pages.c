@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "web/pages.h"
+#include "web/json.h"
 
 #include "core/name.h"
 #include "core/text.h"

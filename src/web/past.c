@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "web/past.h"
+#include "web/web.h"
 
 #include "muster/memory.h"
-#include "story/why.h"
-#include "web/frame_json.h"
-#include "web/mind_json.h"
-#include "web/scene_json.h"
+#include "story/story.h"
+#include "web/json.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "web/scene_json.h"
+#include "web/json.h"
 
 #include "core/json.h"
 #include "core/palette.h"

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "web/server.h"
+#include "web/web.h"
 
 #include "core/log.h"
 #include "muster/memory.h"
-#include "web/lobby.h"
-#include "web/target.h"
 
 #include <arpa/inet.h>
 #include <errno.h>

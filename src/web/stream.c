@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "web/stream.h"
+#include "web/web.h"
 
 #include "muster/memory.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "web/target.h"
+#include "web/web.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "web/watch.h"
+#include "web/web.h"
 
 #include "core/text.h"
-#include "desk/runs.h"
+#include "desk/desk.h"
 #include "muster/memory.h"
 #include "runtime/process.h"
-#include "web/frame_json.h"
-#include "web/scene_json.h"
+#include "web/json.h"
 
 #include <string.h>
 

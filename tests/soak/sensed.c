@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Counts, in a recording, the facts that count as sensed, and those of them that no sensor makes:
  * sensed RUN.mcap prints "12345 0". */
-#include "story/recording.h"
+#include "story/story.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -7,8 +7,7 @@
 #define MUSTER_TESTS_TOLD_H
 
 #include "suite.h"
-#include "web/board.h"
-#include "web/viewers.h"
+#include "web/web.h"
 
 #include <string.h>
 

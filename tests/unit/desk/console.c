@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a console makes of what is typed: forms, and words that are completed. */
-#include "desk/complete.h"
-#include "desk/forms.h"
+#include "desk/desk.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>

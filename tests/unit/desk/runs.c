@@ -3,9 +3,9 @@
  * The locks of live runs.  Every holder is a process of its own, because a lock lasts as long as
  * its process; XDG_RUNTIME_DIR is a folder of this test's own.
  */
-#include "desk/runs.h"
 #include "bus/bus.h"
 #include "capture.h"
+#include "desk/desk.h"
 #include "suite.h"
 
 #include <arpa/inet.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Orders to the world, in words. */
 #include "core/sensors.h"
-#include "desk/world_words.h"
+#include "desk/desk.h"
 #include "muster/agent.h"
 #include "suite.h"
 

@@ -2,7 +2,7 @@
 /* What a run amounts to, against what a slow look at all of it says. */
 #include "core/random.h"
 #include "muster/memory.h"
-#include "stats/goal.h"
+#include "stats/stats.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>

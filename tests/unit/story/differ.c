@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Two Frames are equal until any value of one is another. */
-#include "story/differ.h"
+#include "story/story.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>

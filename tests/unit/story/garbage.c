@@ -6,9 +6,7 @@
  * times as MUSTER_ROUNDS says: make soak-strangers.
  */
 #include "rich_recording.h"
-#include "story/differ.h"
-#include "story/stalls.h"
-#include "story/why.h"
+#include "story/story.h"
 #include "suite.h"
 
 enum { ROUNDS = 1500, STALLS_MAX = 4 };

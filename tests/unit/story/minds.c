@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Diaries read back: which facts stood when, and what a chain of causes ends in. */
 #include "muster/agent.h"
-#include "story/why.h"
+#include "story/story.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>

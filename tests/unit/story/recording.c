@@ -4,8 +4,7 @@
 #include "bus/raw/raw.h"
 #include "core/text.h"
 #include "mcap/mcap_write.h"
-#include "story/differ.h"
-#include "story/stalls.h"
+#include "story/story.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>

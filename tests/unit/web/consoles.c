@@ -4,13 +4,13 @@
  * This test is the broker and the robots: its readers and writers share the participant of the
  * process under test.
  */
-#include "web/consoles.h"
 #include "core/clock.h"
 #include "core/text.h"
 #include "runtime/process.h"
 #include "samples.h"
 #include "suite.h"
 #include "told.h"
+#include "web/web.h"
 
 #include <CUnit/Basic.h>
 #include <stdlib.h>

@@ -7,7 +7,7 @@
  */
 #include "rich_recording.h"
 #include "suite.h"
-#include "web/past.h"
+#include "web/web.h"
 
 #include <sys/wait.h>
 

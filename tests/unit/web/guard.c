@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Which requests the page answers. */
-#include "web/guard.h"
 #include "suite.h"
+#include "web/web.h"
 
 #include <CUnit/Basic.h>
 #include <string.h>

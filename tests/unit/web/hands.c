@@ -3,12 +3,12 @@
  * Orders of pages to the world: what goes out, who is told what became of it, what waits.  This
  * test is the simulator: its reader and writer share the participant of the hands under test.
  */
-#include "web/hands.h"
 #include "core/clock.h"
 #include "muster/memory.h"
 #include "samples.h"
 #include "suite.h"
 #include "told.h"
+#include "web/web.h"
 
 #include <CUnit/Basic.h>
 #include <stdlib.h>

@@ -1,13 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Scenes, frames and runs as the page reads them, with names from hell. */
+#include "web/json.h"
 #include "muster/memory.h"
 #include "samples.h"
 #include "suite.h"
-#include "web/beams.h"
-#include "web/frame_json.h"
-#include "web/mind_json.h"
-#include "web/run_json.h"
-#include "web/scene_json.h"
 
 #include <CUnit/Basic.h>
 #include <math.h>

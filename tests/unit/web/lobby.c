@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Connections without a stream: who waits longest makes room, and nobody waits for ever. */
-#include "web/lobby.h"
 #include "suite.h"
+#include "web/web.h"
 
 #include <stdbool.h>
 #include <sys/socket.h>

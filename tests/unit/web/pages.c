@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The white pages as the page has them: parts that replace each other, of one broker and of two. */
-#include "web/pages.h"
 #include "muster/memory.h"
 #include "samples.h"
 #include "suite.h"
+#include "web/json.h"
 
 #include <CUnit/Basic.h>
 #include <stdio.h>

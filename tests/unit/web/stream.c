@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What one viewer gets: each event whole, of the board the newest, and word of what it missed. */
-#include "web/stream.h"
 #include "muster/memory.h"
 #include "suite.h"
+#include "web/web.h"
 
 #include <CUnit/Basic.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What paths ask for. */
-#include "web/target.h"
 #include "suite.h"
+#include "web/web.h"
 
 #include <CUnit/Basic.h>
 
