@@ -315,15 +315,7 @@ static void undo(struct run *r, unsigned index)
 
 static void go_on(struct run *r)
 {
-    static char observer[] = "observer", none[1];
-    muster_RunCommand go = {.simulator = r->simulator,
-                            .source = observer,
-                            .seq = ++r->chaos->go_seq,
-                            .order = muster_RUN_GO,
-                            .name = none,
-                            .file = none,
-                            .when = none};
-    if (bus_write(&r->command, &go) != MU_OK) {
+    if (run_go_send(r, ++r->chaos->go_seq) != MU_OK) {
         fprintf(stderr, "muster run: the word to go on is lost\n");
     }
 }

@@ -19,28 +19,14 @@ static struct {
 } chosen;
 
 static struct mu_option option_table[] = {
-    {.name = "by",
-     .kind = MU_OPTION_STRING,
-     .unit = "KEY",
-     .help = "group runs by what --set gave this key, whatever it gave others (default: by all "
-             "that was run but the seed)",
-     .target = &chosen.by},
-    {.name = "statistic",
-     .kind = MU_OPTION_LIST,
-     .unit = "NAME",
-     .help = "what to compare, as in summary.json: red.distance_m, mail.sent; robots.distance_m is "
-             "the mean over the robots (default: a dozen that suit any team)",
-     .target = &chosen.statistics},
-    {.name = "out",
-     .kind = MU_OPTION_STRING,
-     .unit = "FILE",
-     .fallback = "compare.html",
-     .help = "the page with the plots",
-     .target = &chosen.page},
-    {.name = "json",
-     .kind = MU_OPTION_FLAG,
-     .help = "one object per line, and no page",
-     .target = &chosen.json},
+    MU_STRING("by", "KEY", chosen.by,
+              "group runs by what --set gave this key, whatever it gave others (default: by all "
+              "that was run but the seed)"),
+    MU_LIST("statistic", "NAME", chosen.statistics,
+            "what to compare, as in summary.json: red.distance_m, mail.sent; robots.distance_m is "
+            "the mean over the robots (default: a dozen that suit any team)"),
+    MU_STRING("out", "FILE", chosen.page, "the page with the plots", .fallback = "compare.html"),
+    MU_FLAG("json", chosen.json, "one object per line, and no page"),
 };
 
 /* A pattern such as out/follow-* also finds the page of a series, and runs that broke off.

@@ -456,26 +456,14 @@ int console_verb(int argc, char **argv)
     setlocale(LC_CTYPE, "");
     struct mu_option table[] = {
         OPERATOR_OPTIONS(c->options),
-        {.name = "command",
-         .letter = 'c',
-         .kind = MU_OPTION_STRING,
-         .unit = "LINE",
-         .help = "do this line, print its answer, and leave",
-         .target = &c->line},
-        {.name = "wait",
-         .kind = MU_OPTION_REAL,
-         .unit = "S",
-         .fallback = "5",
-         .max = 1e6,
-         .help = "wait so long for an answer",
-         .target = &c->options.wait_s},
-        {.name = "watch",
-         .kind = MU_OPTION_REAL,
-         .unit = "S",
-         .max = 1e6,
-         .help = "without a terminal: also show what rules print and what is watched, and go on "
-                 "with that for so long behind the last line",
-         .target = &c->watch_s},
+        MU_STRING("command", "LINE", c->line, "do this line, print its answer, and leave",
+                  .letter = 'c'),
+        MU_REAL("wait", "S", c->options.wait_s, "wait so long for an answer", .fallback = "5",
+                .max = 1e6),
+        MU_REAL("watch", "S", c->watch_s,
+                "without a terminal: also show what rules print and what is watched, and go on "
+                "with that for so long behind the last line",
+                .max = 1e6),
     };
     static struct mu_options o;
     o = (struct mu_options){.program = "muster console",

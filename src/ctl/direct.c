@@ -83,18 +83,6 @@ static void targets_find(const struct operator* o, const char *to)
 
 /* --- what becomes of it ----------------------------------------------------------------------- */
 
-static void outcome_print(const struct target *t, const char *outcome)
-{
-    struct mu_json j;
-    mu_json_to_file(&j, stdout, MU_JSON_LINE);
-    mu_json_object(&j, NULL);
-    mu_json_string(&j, "to", t->name);
-    mu_json_uint(&j, "seq", t->seq);
-    mu_json_string(&j, "outcome", outcome);
-    mu_json_uint(&j, "exit", (uint64_t)t->code);
-    mu_json_end(&j);
-}
-
 static void target_end(struct target *t, int code)
 {
     t->state = TARGET_ENDED;
@@ -118,7 +106,7 @@ static void target_receipt(struct target *t, enum mu_outcome outcome)
         printf("%s: %s\n", t->name, text);
     }
     if (directing.op->json) {
-        outcome_print(t, text);
+        operator_outcome_print(t->name, t->seq, text, t->code);
     }
 }
 
@@ -180,15 +168,9 @@ static mu_result targets_tell(struct operator* o)
     return MU_OK;
 }
 
-static bool target_is_busy(const struct operator* o, const struct target *t)
-{
-    const struct mu_member *m = mu_process_lookup(o->process, t->name);
-    return m && m->busy_since_wall_ns > 0;
-}
-
 static bool target_waits(const struct operator* o, const struct target *t, double passed_s)
 {
-    bool is_heard = t->state == TARGET_TAKEN || target_is_busy(o, t);
+    bool is_heard = t->state == TARGET_TAKEN || operator_busy(o, t->name);
     double most_s = fmax(directing.what->wait_s, is_heard ? BUSY_WAIT_S : RECEIPT_PATIENCE_S);
     return t->state != TARGET_ENDED && passed_s < most_s &&
            (t->awaited || t->state != TARGET_TAKEN);
@@ -207,11 +189,11 @@ static bool any_waits(const struct operator* o, double passed_s)
 static void silence_tell(const struct operator* o, struct target *t)
 {
     const struct mu_member *m = mu_process_lookup(o->process, t->name);
-    bool is_busy = m && m->busy_since_wall_ns > 0;
+    bool is_busy = operator_busy(o, t->name);
     bool is_lost = t->state != TARGET_TAKEN && !is_busy;
     target_end(t, is_lost ? MU_EXIT_DDS : MU_EXIT_TIME);
     if (o->json) {
-        outcome_print(t, "silent");
+        operator_outcome_print(t->name, t->seq, "silent", t->code);
     }
     if (is_lost) {
         fprintf(stderr, "muster: to %s: the broker has not answered for the mail\n", t->name);

@@ -164,14 +164,13 @@ int group_verb(int argc, char **argv)
 {
     static struct operator_options options;
     if (argc > 1 && strcmp(argv[1], "send") == 0) {
-        return post_verb_group_send(argc - 1, argv + 1);
+        static char send[] = "group send";
+        argv[1] = send;
+        return post_verb(argc - 1, argv + 1);
     }
     struct mu_option table[] = {
         OPERATOR_OPTIONS(options),
-        {.name = "json",
-         .kind = MU_OPTION_FLAG,
-         .help = "one object a line",
-         .target = &options.json},
+        MU_FLAG("json", options.json, "one object a line"),
     };
     static struct mu_options o;
     o = (struct mu_options){

@@ -76,15 +76,8 @@ static bool words_take(const struct mu_options *o, struct launch *l)
     }
     l->name = o->words[0];
     l->host = o->words[1];
-    for (int i = 0; i < 2; i++) {
-        if (!mu_name_valid(o->words[i]) || mu_name_reserved(o->words[i])) {
-            char shown[MU_TEXT_SHOWN];
-            fprintf(stderr, "muster launch: '%s' cannot be the name of an agent or a host\n",
-                    mu_text_show(shown, o->words[i]));
-            return false;
-        }
-    }
-    return true;
+    return words_place_check("muster launch", l->name) &&
+           words_place_check("muster launch", l->host);
 }
 
 /* What stands in a line of its own. */
@@ -128,41 +121,17 @@ int launch_verb(int argc, char **argv)
     static struct mu_options o;
     struct mu_option table[] = {
         OPERATOR_OPTIONS(l.options),
-        {.name = "rules",
-         .letter = 'r',
-         .kind = MU_OPTION_STRING,
-         .unit = "FILE",
-         .help = "the agent's behaviour, a CLIPS file; it may extend files of the library",
-         .target = &l.rules},
-        {.name = "seed",
-         .kind = MU_OPTION_INTEGER,
-         .unit = "N",
-         .fallback = "1",
-         .help = "seed of (random), together with the name",
-         .target = &l.seed},
-        {.name = "global",
-         .kind = MU_OPTION_LIST,
-         .unit = "NAME=VALUE",
-         .help = "set a global, for example mate=red",
-         .target = &l.globals},
-        {.name = "group",
-         .kind = MU_OPTION_LIST,
-         .unit = "G",
-         .help = "join a group when the broker knows the agent",
-         .target = &l.groups},
-        {.name = "start",
-         .kind = MU_OPTION_FLAG,
-         .help = "let it run at once, without waiting in standby",
-         .target = &l.start},
-        {.name = "json",
-         .kind = MU_OPTION_FLAG,
-         .help = "the answer as an object",
-         .target = &l.options.json},
-        {.name = "quiet",
-         .letter = 'q',
-         .kind = MU_OPTION_FLAG,
-         .help = "do not say what became of the mail when all is well",
-         .target = &l.options.quiet},
+        MU_STRING("rules", "FILE", l.rules,
+                  "the agent's behaviour, a CLIPS file; it may extend files of the library",
+                  .letter = 'r'),
+        MU_INTEGER("seed", "N", l.seed, "seed of (random), together with the name",
+                   .fallback = "1"),
+        MU_LIST("global", "NAME=VALUE", l.globals, "set a global, for example mate=red"),
+        MU_LIST("group", "G", l.groups, "join a group when the broker knows the agent"),
+        MU_FLAG("start", l.start, "let it run at once, without waiting in standby"),
+        MU_FLAG("json", l.options.json, "the answer as an object"),
+        MU_FLAG("quiet", l.options.quiet, "do not say what became of the mail when all is well",
+                .letter = 'q'),
     };
     o = (struct mu_options){.program = "muster launch",
                             .usage = "NAME HOST --rules FILE [OPTION...]",

@@ -214,8 +214,7 @@ void operator_leave(struct operator* o)
     mu_process_close(o->process);
 }
 
-/* @return the line of one who was written to in person, and is busy; NULL: that is not why */
-static const struct mu_member *busy_find(const struct operator* o, const char *to)
+const struct mu_member *operator_busy(const struct operator* o, const char *to)
 {
     const struct mu_member *m = mu_process_lookup(o->process, to);
     return m && m->busy_since_wall_ns > 0 ? m : NULL;
@@ -223,7 +222,7 @@ static const struct mu_member *busy_find(const struct operator* o, const char *t
 
 static bool busy_tell(const struct operator* o, const char *to)
 {
-    const struct mu_member *m = busy_find(o, to);
+    const struct mu_member *m = operator_busy(o, to);
     if (m) {
         fprintf(stderr, "muster: %s is %s\n", m->name, m->reason);
     }
@@ -246,7 +245,7 @@ static bool outcome_await(struct operator* o, const char *to, double wait_s)
 {
     uint64_t began_ns = mu_clock_ns();
     while (!o->answered_for) {
-        double most_s = busy_find(o, to) ? fmax(wait_s, BUSY_WAIT_S) : RECEIPT_PATIENCE_S;
+        double most_s = operator_busy(o, to) ? fmax(wait_s, BUSY_WAIT_S) : RECEIPT_PATIENCE_S;
         bool over = (double)(mu_clock_ns() - began_ns) > most_s * 1e9;
         if (over || mu_process_spin(o->process, ROUND_NS) != MU_OK) {
             return false;
@@ -264,15 +263,23 @@ static void answers_await(struct operator* o, unsigned wanted, uint64_t patience
     }
 }
 
-static void outcome_print(const struct operator* o, const char *to)
+void operator_outcome_print(const char *to, uint64_t seq, const char *outcome, int code)
 {
     struct mu_json j;
     mu_json_to_file(&j, stdout, MU_JSON_LINE);
     mu_json_object(&j, NULL);
     mu_json_string(&j, "to", to);
-    mu_json_uint(&j, "seq", o->seq);
-    mu_json_string(&j, "outcome", mu_outcome_text(o->outcome));
+    mu_json_uint(&j, "seq", seq);
+    mu_json_string(&j, "outcome", outcome);
+    if (code >= 0) {
+        mu_json_uint(&j, "exit", (uint64_t)code);
+    }
     mu_json_end(&j);
+}
+
+static void outcome_print(const struct operator* o, const char *to)
+{
+    operator_outcome_print(to, o->seq, mu_outcome_text(o->outcome), -1);
 }
 
 /* Says what became of the mail, if that is no good.  @return the exit code */

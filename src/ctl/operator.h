@@ -57,12 +57,9 @@ struct operator
 };
 
 /* Rows of an options table that every such verb has. */
-#define OPERATOR_OPTIONS(options)                                                 \
-    MU_JOIN_OPTIONS((options).network),                                           \
-    {                                                                             \
-        .name = "as", .kind = MU_OPTION_STRING, .unit = "NAME",                   \
-        .help = "act as another agent than the operator", .target = &(options).as \
-    }
+#define OPERATOR_OPTIONS(options)       \
+    MU_JOIN_OPTIONS((options).network), \
+        MU_STRING("as", "NAME", (options).as, "act as another agent than the operator")
 
 /** Reads the options of a verb; its words stay in o.  @return MU_OK, MU_DONE or a fault */
 MU_MUST_USE mu_result operator_parse(struct mu_options *o, int argc, char **argv,
@@ -91,6 +88,12 @@ int operator_send(struct operator* o, struct mu_mail *mail, unsigned answers_wan
  * @return the exit code; < 0: it is no such line, or was declined, and nothing was printed
  */
 int operator_look(struct operator* o, const char *agent, const char *line, double wait_s);
+
+/** @return the line of one who was written to in person, and is busy; NULL: that is not why */
+const struct mu_member *operator_busy(const struct operator* o, const char *to);
+
+/** Prints what became of a mail as an object.  @param code  exit code; < 0: it is left out */
+void operator_outcome_print(const char *to, uint64_t seq, const char *outcome, int code);
 
 void operator_leave(struct operator* o);
 

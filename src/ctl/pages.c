@@ -130,34 +130,20 @@ static void head_print(bool json)
     }
 }
 
-static mu_result pages_parse(struct mu_options *o, struct operator_options *options, int argc,
-                             char **argv)
-{
-    static struct mu_option table[8];
-    const struct mu_option rows[] = {
-        OPERATOR_OPTIONS(*options),
-        {.name = "json",
-         .kind = MU_OPTION_FLAG,
-         .help = "one object a line",
-         .target = &options->json},
-    };
-    o->count = sizeof rows / sizeof rows[0];
-    for (size_t i = 0; i < o->count; i++) {
-        table[i] = rows[i];
-    }
-    o->table = table;
-    options->only_reads = true;
-    return operator_parse(o, argc, argv, options);
-}
+static struct operator_options options = {.only_reads = true};
+
+static struct mu_option option_table[] = {OPERATOR_OPTIONS(options),
+                                          MU_FLAG("json", options.json, "one object a line")};
 
 int pages_verb_ps(int argc, char **argv)
 {
-    static struct operator_options options;
     static struct mu_options o = {.program = "muster ps",
                                   .usage = "[OPTION...]",
                                   .about = "Lists the white pages: every agent and its state.",
+                                  .table = option_table,
+                                  .count = sizeof option_table / sizeof option_table[0],
                                   .no_words = true};
-    mu_result parsed = pages_parse(&o, &options, argc, argv);
+    mu_result parsed = operator_parse(&o, argc, argv, &options);
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
     }
@@ -179,13 +165,14 @@ int pages_verb_ps(int argc, char **argv)
 
 int pages_verb_lookup(int argc, char **argv)
 {
-    static struct operator_options options;
     static struct mu_options o = {.program = "muster lookup",
                                   .usage = "NAME [OPTION...]",
                                   .about =
                                       "Looks one agent up in the white pages; of a part of the "
-                                      "broker, what it has counted, too."};
-    mu_result parsed = pages_parse(&o, &options, argc, argv);
+                                      "broker, what it has counted, too.",
+                                  .table = option_table,
+                                  .count = sizeof option_table / sizeof option_table[0]};
+    mu_result parsed = operator_parse(&o, argc, argv, &options);
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
     }

@@ -288,9 +288,5 @@ void remake_end(struct recording *recording, struct run *r)
     r->time_ns = f->time_ns;
     r->wall_ns = wall ? strtoull(wall, NULL, 10) : f->wall_ns;
     totals_fill(r, recording, f);
-    r->objects_count = f->objects._length == r->world->object_count ? f->objects._length : 0;
-    for (size_t i = 0; i < r->objects_count; i++) {
-        const muster_ObjectPlace *o = &f->objects._buffer[i];
-        r->objects[i] = (struct world_pose){o->x_m, o->y_m, o->heading_rad};
-    }
+    run_objects_take(r, f->objects._buffer, f->objects._length);
 }

@@ -28,10 +28,8 @@ static struct {
     bool json;
 } chosen;
 
-static struct mu_option option_table[] = {{.name = "json",
-                                           .kind = MU_OPTION_FLAG,
-                                           .help = "say what came out as one line of JSON",
-                                           .target = &chosen.json}};
+static struct mu_option option_table[] = {
+    MU_FLAG("json", chosen.json, "say what came out as one line of JSON")};
 
 struct remaking {
     struct run *run; /* as far as a report needs one */

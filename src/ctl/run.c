@@ -61,6 +61,27 @@ void run_command_write(const struct run *r, char *buffer, size_t size)
     }
 }
 
+void run_objects_take(struct run *r, const muster_ObjectPlace *places, size_t count)
+{
+    r->objects_count = count == r->world->object_count ? count : 0;
+    for (size_t i = 0; i < r->objects_count; i++) {
+        r->objects[i] = (struct world_pose){places[i].x_m, places[i].y_m, places[i].heading_rad};
+    }
+}
+
+mu_result run_go_send(struct run *r, uint64_t seq)
+{
+    static char observer[] = "observer", none[1];
+    muster_RunCommand go = {.simulator = r->simulator,
+                            .source = observer,
+                            .seq = seq,
+                            .order = muster_RUN_GO,
+                            .name = none,
+                            .file = none,
+                            .when = none};
+    return bus_write(&r->command, &go);
+}
+
 /* --- what is started again -------------------------------------------------------------------- */
 
 static bool crew_restarts(const struct run *r, unsigned crew)

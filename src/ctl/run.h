@@ -124,6 +124,12 @@ void run_files_find(struct run *r);
  * Robots with a random place may stand elsewhere in the simulator's list than in ours. */
 char *run_robot_name(const struct run *r, const char *name);
 
+/** Takes where the world's objects are, if these are they. */
+void run_objects_take(struct run *r, const muster_ObjectPlace *places, size_t count);
+
+/** Tells the simulator to begin, or to go on where it holds.  @param seq  higher each time */
+MU_MUST_USE mu_result run_go_send(struct run *r, uint64_t seq);
+
 /** Writes the command that does the run again, without the words that change nothing in it. */
 void run_command_write(const struct run *r, char *buffer, size_t size);
 

@@ -215,11 +215,7 @@ static void status_take(struct run *r, const muster_RunStatus *s)
         r->totals[i] = s->robots._buffer[i];
         r->totals[i].robot = run_robot_name(r, s->robots._buffer[i].robot);
     }
-    r->objects_count = s->objects._length == r->world->object_count ? s->objects._length : 0;
-    for (size_t i = 0; i < r->objects_count; i++) {
-        const muster_ObjectPlace *o = &s->objects._buffer[i];
-        r->objects[i] = (struct world_pose){o->x_m, o->y_m, o->heading_rad};
-    }
+    run_objects_take(r, s->objects._buffer, s->objects._length);
 }
 
 static void mail_take(struct run *r, const muster_BrokerStatus *status)
@@ -438,16 +434,7 @@ static int gather(struct run *r)
 
 static int watch(struct run *r)
 {
-    static char observer_name[] = "observer";
-    static char none[1];
-    muster_RunCommand go = {.simulator = r->simulator,
-                            .source = observer_name,
-                            .seq = 1,
-                            .order = muster_RUN_GO,
-                            .name = none,
-                            .file = none,
-                            .when = none};
-    if (chaos_send(r) != MU_OK || bus_write(&r->command, &go) != MU_OK) {
+    if (chaos_send(r) != MU_OK || run_go_send(r, 1) != MU_OK) {
         return MU_EXIT_DDS;
     }
     r->begun = true;

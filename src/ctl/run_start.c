@@ -6,55 +6,14 @@
 #include "muster/memory.h"
 
 #include <errno.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
 enum {
-    WORDS_MAX = 4 * MU_ROBOTS_MAX + RUN_FILES_MAX + 128,
-    WORDS_TEXT = 1024 * 1024,
-    RECORD_FULL_MAX = 64, /* robots whose percepts are recorded unless somebody asks for them */
-};
-
-/* A command line that is put together. */
-struct words {
-    const char *items[WORDS_MAX];
-    size_t count;
-    struct mu_text text;
-};
-
-static struct words words;
-static char words_buffer[WORDS_TEXT];
-
-static void words_begin(const char *program)
-{
-    words.count = 0;
-    mu_text_init(&words.text, words_buffer, sizeof words_buffer);
-    words.items[words.count++] = program;
-}
-
-static void word_add(const char *format, ...) __attribute__((format(printf, 1, 2)));
-
-static void word_add(const char *format, ...)
-{
-    char word[2 * PATH_MAX + 256];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(word, sizeof word, format, args);
-    va_end(args);
-    MU_ASSERT(words.count < WORDS_MAX - 1);
-    words.items[words.count++] = words.text.at + words.text.len;
-    mu_text_add_bytes(&words.text, word, strlen(word) + 1);
-    MU_ASSERT(!words.text.cut);
-}
-
-static const char *const *words_end(void)
-{
-    words.items[words.count] = NULL;
-    return words.items;
-}
+    RECORD_FULL_MAX = 64
+}; /* robots whose percepts are recorded unless somebody asks for them */
 
 /* What the next new child is. */
 static void part_note(struct run *r, enum run_kind kind, unsigned index)
@@ -67,7 +26,7 @@ static void part_note(struct run *r, enum run_kind kind, unsigned index)
 static mu_result child_start(struct run *r, struct child *again, const char *name,
                              const char *program)
 {
-    const char *const *argv = words_end();
+    const char *const *argv = supervise_words_end();
     run_struck_next(r, name);
     return again ? supervise_start_again(&r->children, again, program, argv)
                  : supervise_start(&r->children, name, program, argv);
@@ -77,20 +36,20 @@ static mu_result broker_start(struct run *r, unsigned index, struct child *again
 {
     char name[RUN_CHILD_MAX];
     run_child_name(r, index, name);
-    words_begin("muster-broker");
-    word_add("%s", run_broker(r, index));
-    word_add("--domain=%d", r->domain);
+    supervise_words("muster-broker");
+    supervise_word("%s", run_broker(r, index));
+    supervise_word("--domain=%d", r->domain);
     if (r->experiment->broker.delivery_interval_ms > 0) {
-        word_add("--delivery-interval=%.17g", r->experiment->broker.delivery_interval_ms);
+        supervise_word("--delivery-interval=%.17g", r->experiment->broker.delivery_interval_ms);
     }
     if (r->experiment->policy) {
-        word_add("--policy=%s", r->experiment->policy);
+        supervise_word("--policy=%s", r->experiment->policy);
     }
     /* A run repeats from nothing, but for a broker that may be started again. */
     if (r->experiment->broker.store || run_restarts_brokers(r)) {
-        word_add("--store=%s/%s.db", r->folder, name);
+        supervise_word("--store=%s/%s.db", r->folder, name);
     } else {
-        word_add("--store=none");
+        supervise_word("--store=none");
     }
     return child_start(r, again, name, "muster-broker");
 }
@@ -104,10 +63,10 @@ static void places_add(const struct experiment *e)
             snprintf(pose, sizeof pose, "%.17g %.17g %.17g", robot->pose->x_m, robot->pose->y_m,
                      robot->pose->heading_deg);
         }
-        word_add("--robots=%s", robot->name);
+        supervise_word("--robots=%s", robot->name);
         if (robot->body || robot->pose) {
-            word_add("--place=%s %s %s %s", robot->name, robot->body ? robot->body : "-", pose,
-                     robot->color ? robot->color : "-");
+            supervise_word("--place=%s %s %s %s", robot->name, robot->body ? robot->body : "-",
+                           pose, robot->color ? robot->color : "-");
         }
     }
 }
@@ -129,7 +88,7 @@ static void file_attach(const struct run_file *file)
         mu_text_add(&name, *c == '=' ? "=" : "");
         mu_text_add_bytes(&name, c, 1);
     }
-    word_add("--attach=%s=%s", name.at, file->path);
+    supervise_word("--attach=%s=%s", name.at, file->path);
 }
 
 static void recording_add(const struct run *r)
@@ -139,21 +98,21 @@ static void recording_add(const struct run *r)
         return;
     }
     run_command_write(r, command, sizeof command);
-    word_add("--record=%s/run.mcap", r->folder);
+    supervise_word("--record=%s/run.mcap", r->folder);
     if (record_is(r, "run")) {
-        word_add("--without-percepts");
+        supervise_word("--without-percepts");
     }
-    word_add("--note=command=%s", command);
-    word_add("--note=file=%s", r->options.file);
-    word_add("--note=experiment=%s", r->experiment->name);
-    word_add("--note=seed=%lld", (long long)r->experiment->seed);
-    word_add("--note=duration_s=%.17g", r->experiment->duration);
-    word_add("--note=rate=%.17g", r->options.rate);
-    word_add("--note=lockstep=%s", r->options.free ? "no" : "yes");
-    word_add("--note=clips=%s", MU_CLIPS_VERSION);
-    word_add("--note=folder=%s", getcwd(here, sizeof here) ? here : "");
+    supervise_word("--note=command=%s", command);
+    supervise_word("--note=file=%s", r->options.file);
+    supervise_word("--note=experiment=%s", r->experiment->name);
+    supervise_word("--note=seed=%lld", (long long)r->experiment->seed);
+    supervise_word("--note=duration_s=%.17g", r->experiment->duration);
+    supervise_word("--note=rate=%.17g", r->options.rate);
+    supervise_word("--note=lockstep=%s", r->options.free ? "no" : "yes");
+    supervise_word("--note=clips=%s", MU_CLIPS_VERSION);
+    supervise_word("--note=folder=%s", getcwd(here, sizeof here) ? here : "");
     for (size_t i = 0; i < r->options.set_count; i++) {
-        word_add("--note=set.%zu=%s", i + 1, r->options.set[i]);
+        supervise_word("--note=set.%zu=%s", i + 1, r->options.set[i]);
     }
     for (size_t i = 0; i < r->files_count; i++) {
         file_attach(&r->files[i]);
@@ -170,42 +129,42 @@ static bool simulator_is_wide(const struct experiment *e)
 static mu_result simulator_start(struct run *r)
 {
     const struct experiment *e = r->experiment;
-    words_begin("muster-sim");
-    word_add("%s", e->world);
-    word_add("--domain=%d", r->domain);
-    word_add("--seed=%lld", (long long)e->seed);
-    word_add("--duration=%.17g", e->duration);
-    word_add("--step=%.17g", e->step_ms);
-    word_add("--csv=%s/run.csv", r->folder);
-    word_add("--rate=%.17g", r->options.rate);
-    word_add("--saves=%s", r->folder);
-    word_add("--wait");
+    supervise_words("muster-sim");
+    supervise_word("%s", e->world);
+    supervise_word("--domain=%d", r->domain);
+    supervise_word("--seed=%lld", (long long)e->seed);
+    supervise_word("--duration=%.17g", e->duration);
+    supervise_word("--step=%.17g", e->step_ms);
+    supervise_word("--csv=%s/run.csv", r->folder);
+    supervise_word("--rate=%.17g", r->options.rate);
+    supervise_word("--saves=%s", r->folder);
+    supervise_word("--wait");
     if (r->options.free) {
-        word_add("--free");
+        supervise_word("--free");
     }
     if (e->simulator.threads > 0) {
-        word_add("--threads=%llu", (unsigned long long)e->simulator.threads);
+        supervise_word("--threads=%llu", (unsigned long long)e->simulator.threads);
     }
     if (e->resolvers_count > 0) {
-        word_add("--watchers=%u", e->resolvers_count);
+        supervise_word("--watchers=%u", e->resolvers_count);
     }
     if (run_restarts_any(r) || (chaos_restarts_any(r) && !r->options.free)) {
-        word_add("--return=%.17g", e->return_within_s);
+        supervise_word("--return=%.17g", e->return_within_s);
     }
     if (e->hosts_count > 0) {
-        word_add("--hosts=%u", e->hosts_count);
+        supervise_word("--hosts=%u", e->hosts_count);
     }
     places_add(e);
     recording_add(r);
     if (e->events_count > 0) {
-        word_add("--events=%s/events.csv", r->folder);
+        supervise_word("--events=%s/events.csv", r->folder);
     }
     for (unsigned i = 0; i < e->events_count; i++) {
-        word_add("--event=%s", e->events[i]);
+        supervise_word("--event=%s", e->events[i]);
     }
     if (simulator_is_wide(e)) {
         run_struck_next(r, "simulator");
-        return supervise_start_wide(&r->children, "simulator", "muster-sim", words_end());
+        return supervise_start_wide(&r->children, "simulator", "muster-sim", supervise_words_end());
     }
     return child_start(r, NULL, "simulator", "muster-sim");
 }
@@ -218,15 +177,16 @@ static void checkpoints_add(const struct run *r, enum experiment_on_crash on_cra
     if (on_crash != EXPERIMENT_RESTART) {
         return;
     }
-    word_add("--mend=%u", r->experiment->restarts);
-    word_add("--checkpoint=%.17g", checkpoint_s);
-    word_add("--folder=%s/" RUN_CHECKPOINTS "%s%s", r->folder, host ? "/" : "", host ? host : "");
+    supervise_word("--mend=%u", r->experiment->restarts);
+    supervise_word("--checkpoint=%.17g", checkpoint_s);
+    supervise_word("--folder=%s/" RUN_CHECKPOINTS "%s%s", r->folder, host ? "/" : "",
+                   host ? host : "");
 }
 
 static void diary_add(const struct run *r)
 {
     if (record_is(r, "full") && !r->options.no_diary) {
-        word_add("--diary");
+        supervise_word("--diary");
     }
 }
 
@@ -234,30 +194,30 @@ static void diary_add(const struct run *r)
 static mu_result crew_start(struct run *r, const struct experiment_crew *crew, struct child *again)
 {
     const struct experiment_robot *robot = &r->experiment->robots[crew->robot];
-    words_begin("muster-robot");
-    word_add("%s", crew->name);
+    supervise_words("muster-robot");
+    supervise_word("%s", crew->name);
     if (crew->numbered) {
-        word_add("--count=%u", crew->count);
-        word_add("--first=%u", crew->first);
+        supervise_word("--count=%u", crew->count);
+        supervise_word("--first=%u", crew->first);
     }
-    word_add("--rules=%s", robot->rules);
-    word_add("--world=%s", r->experiment->world);
-    word_add("--domain=%d", r->domain);
-    word_add("--broker=%s", robot->broker ? robot->broker : run_broker(r, 0));
-    word_add("--seed=%lld", (long long)r->experiment->seed);
+    supervise_word("--rules=%s", robot->rules);
+    supervise_word("--world=%s", r->experiment->world);
+    supervise_word("--domain=%d", r->domain);
+    supervise_word("--broker=%s", robot->broker ? robot->broker : run_broker(r, 0));
+    supervise_word("--seed=%lld", (long long)r->experiment->seed);
     diary_add(r);
     for (unsigned i = 0; i < robot->globals_count; i++) {
-        word_add("--global=%s=%s", robot->globals[i].name, robot->globals[i].value);
+        supervise_word("--global=%s=%s", robot->globals[i].name, robot->globals[i].value);
     }
     for (unsigned i = 0; run_pages_own(r, robot) && i < robot->groups_count; i++) {
-        word_add("--group=%s", robot->groups[i]);
+        supervise_word("--group=%s", robot->groups[i]);
     }
     for (unsigned i = 0; run_pages_own(r, robot) && i < robot->services_count; i++) {
-        word_add("--service=%s", robot->services[i]);
+        supervise_word("--service=%s", robot->services[i]);
     }
     checkpoints_add(r, robot->on_crash, robot->checkpoint_s, NULL);
     if (again && robot->on_crash == EXPERIMENT_RESTART) {
-        word_add("--restore");
+        supervise_word("--restore");
     }
     MU_TRY(child_start(r, again, robot->name, "muster-robot"));
     struct child *child = again ? again : &r->children.children[r->children.count - 1];
@@ -275,10 +235,10 @@ static void natives_add(const struct run *r, const char *host)
         if (!robot->host || strcmp(robot->host, host) != 0) {
             continue;
         }
-        word_add("--robot=%s=%s", robot->name, robot->rules);
+        supervise_word("--robot=%s=%s", robot->name, robot->rules);
         for (unsigned k = 0; k < robot->globals_count; k++) {
-            word_add("--global=%s.%s=%s", robot->name, robot->globals[k].name,
-                     robot->globals[k].value);
+            supervise_word("--global=%s.%s=%s", robot->name, robot->globals[k].name,
+                           robot->globals[k].value);
         }
     }
 }
@@ -287,16 +247,16 @@ static mu_result host_start(struct run *r, const char *host, struct child *again
 {
     const struct experiment *e = r->experiment;
     unsigned robots = r->experiment->robots_count;
-    words_begin("muster-host");
-    word_add("%s", host);
-    word_add("--agents=%u", robots < 16 ? 16 : robots < 256 ? robots : 256);
-    word_add("--world=%s", r->experiment->world);
-    word_add("--domain=%d", r->domain);
-    word_add("--broker=%s", run_broker(r, 0));
-    word_add("--seed=%lld", (long long)r->experiment->seed);
+    supervise_words("muster-host");
+    supervise_word("%s", host);
+    supervise_word("--agents=%u", robots < 16 ? 16 : robots < 256 ? robots : 256);
+    supervise_word("--world=%s", r->experiment->world);
+    supervise_word("--domain=%d", r->domain);
+    supervise_word("--broker=%s", run_broker(r, 0));
+    supervise_word("--seed=%lld", (long long)r->experiment->seed);
     checkpoints_add(r, e->on_crash, e->checkpoint_s, host);
     if (r->options.free || again) {
-        word_add("--restore");
+        supervise_word("--restore");
     }
     diary_add(r);
     natives_add(r, host);
@@ -305,10 +265,10 @@ static mu_result host_start(struct run *r, const char *host, struct child *again
 
 static mu_result resolver_start(struct run *r, const char *scheme, struct child *again)
 {
-    words_begin("muster-resolver");
-    word_add("%s", scheme);
-    word_add("--domain=%d", r->domain);
-    word_add("--broker=%s", run_broker(r, 0));
+    supervise_words("muster-resolver");
+    supervise_word("%s", scheme);
+    supervise_word("--domain=%d", r->domain);
+    supervise_word("--broker=%s", run_broker(r, 0));
     return child_start(r, again, scheme, "muster-resolver");
 }
 
@@ -352,8 +312,8 @@ static mu_result program_start(struct run *r, const struct experiment_monitor *m
     snprintf(domain, sizeof domain, "%d", r->domain);
     setenv("MUSTER_DOMAIN", domain, 1);
     setenv("MUSTER_BROKER", run_broker(r, 0), 1);
-    words_begin(m->program);
-    return supervise_start_aside(&r->children, m->name, m->program, words_end(), log);
+    supervise_words(m->program);
+    return supervise_start_aside(&r->children, m->name, m->program, supervise_words_end(), log);
 }
 
 static mu_result monitor_start(struct run *r, const struct experiment_monitor *m)
@@ -364,13 +324,14 @@ static mu_result monitor_start(struct run *r, const struct experiment_monitor *m
     if (m->program) {
         return program_start(r, m, log);
     }
-    words_begin("muster-monitor");
-    word_add("--rules=%s", m->rules);
-    word_add("--name=%s", m->name);
-    word_add("--domain=%d", r->domain);
-    word_add("--broker=%s", run_broker(r, 0));
-    word_add("--seed=%lld", (long long)r->experiment->seed);
-    return supervise_start_aside(&r->children, m->name, "muster-monitor", words_end(), log);
+    supervise_words("muster-monitor");
+    supervise_word("--rules=%s", m->rules);
+    supervise_word("--name=%s", m->name);
+    supervise_word("--domain=%d", r->domain);
+    supervise_word("--broker=%s", run_broker(r, 0));
+    supervise_word("--seed=%lld", (long long)r->experiment->seed);
+    return supervise_start_aside(&r->children, m->name, "muster-monitor", supervise_words_end(),
+                                 log);
 }
 
 static mu_result monitors_start(struct run *r)

@@ -10,7 +10,6 @@
 
 #include <inttypes.h>
 #include <sched.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +18,6 @@
 #include <unistd.h>
 
 enum {
-    SERIES_WORDS_MAX = 2 * EXPERIMENT_OVERRIDES_MAX + 32,
     SERIES_STOP_MS = 5000, /* a run ends its own children first */
     SERIES_NAP_NS = 10000000
 };
@@ -106,67 +104,46 @@ size_t series_seeds(const char *text, uint64_t seeds[SERIES_RUNS_MAX])
 
 /* --- one run ---------------------------------------------------------------------------------- */
 
-/* The words of a run's command line. */
-struct series_words {
-    const char *items[SERIES_WORDS_MAX];
-    size_t count;
-    char bytes[SERIES_WORDS_MAX][PATH_MAX + 64];
-};
-
-static void word_add(struct series_words *w, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
-
-static void word_add(struct series_words *w, const char *format, ...)
-{
-    va_list args;
-    MU_ASSERT(w->count < SERIES_WORDS_MAX - 1);
-    va_start(args, format);
-    vsnprintf(w->bytes[w->count], sizeof w->bytes[0], format, args);
-    va_end(args);
-    w->items[w->count] = w->bytes[w->count];
-    w->count++;
-}
-
-static void words_make(struct series_words *w, const struct series *s, const struct series_run *run)
+/* @return the words of a run's command line */
+static const char *const *words_make(const struct series *s, const struct series_run *run)
 {
     const struct run_options *o = s->options;
-    w->count = 0;
-    word_add(w, "muster");
-    word_add(w, "run");
-    word_add(w, "%s", o->file);
-    word_add(w, "--quiet");
-    word_add(w, "--seed=%" PRIu64, run->seed);
-    word_add(w, "--out=%s", run->folder);
-    word_add(w, "--rate=%.17g", o->rate);
-    word_add(w, "--limit=%.17g", o->limit_s);
+    supervise_words("muster");
+    supervise_word("run");
+    supervise_word("%s", o->file);
+    supervise_word("--quiet");
+    supervise_word("--seed=%" PRIu64, run->seed);
+    supervise_word("--out=%s", run->folder);
+    supervise_word("--rate=%.17g", o->rate);
+    supervise_word("--limit=%.17g", o->limit_s);
     if (o->duration_s >= 0) {
-        word_add(w, "--duration=%.17g", o->duration_s);
+        supervise_word("--duration=%.17g", o->duration_s);
     }
     if (o->domain >= 0) {
-        word_add(w, "--domain=%d", (int)o->domain + (int)run->place);
+        supervise_word("--domain=%d", (int)o->domain + (int)run->place);
     }
     if (o->record) {
-        word_add(w, "--record=%s", o->record);
+        supervise_word("--record=%s", o->record);
     }
     if (o->root) {
-        word_add(w, "--root=%s", o->root);
+        supervise_word("--root=%s", o->root);
     }
     if (o->no_diary) {
-        word_add(w, "--no-diary");
+        supervise_word("--no-diary");
     }
     if (o->programs) {
-        word_add(w, "--programs");
+        supervise_word("--programs");
     }
     if (o->free) {
-        word_add(w, "--free");
+        supervise_word("--free");
     }
     if (o->no_spread) {
-        word_add(w, "--no-spread");
+        supervise_word("--no-spread");
     }
     for (size_t i = 0; i < o->set_count; i++) {
-        word_add(w, "--set=%s", o->set[i]);
+        supervise_word("--set=%s", o->set[i]);
     }
-    w->items[w->count] = NULL;
+    return supervise_words_end();
 }
 
 /* The processes of a run in lock step work in turns, so that one processor is enough for it, and
@@ -183,19 +160,17 @@ static void processor_choose(const struct series *s, unsigned place, cpu_set_t *
 
 static mu_result run_begin(struct series *s, struct series_run *run)
 {
-    static struct series_words words;
     char name[MU_PROCESS_MAX + 1];
     while (s->taken[run->place]) {
         run->place++;
     }
-    words_make(&words, s, run);
     snprintf(name, sizeof name, "seed %" PRIu64, run->seed);
     if (s->spread) {
         cpu_set_t one;
         processor_choose(s, run->place, &one);
         sched_setaffinity(0, sizeof one, &one);
     }
-    mu_result started = supervise_start(&s->children, name, "muster", words.items);
+    mu_result started = supervise_start(&s->children, name, "muster", words_make(s, run));
     if (s->spread) {
         sched_setaffinity(0, sizeof s->processors, &s->processors);
     }

@@ -173,16 +173,9 @@ int service_verb(int argc, char **argv)
     static double lease_s;
     struct mu_option table[] = {
         OPERATOR_OPTIONS(options),
-        {.name = "lease",
-         .kind = MU_OPTION_REAL,
-         .unit = "S",
-         .max = 3.2e9,
-         .help = "add: how long it is offered; until it is removed unless said",
-         .target = &lease_s},
-        {.name = "json",
-         .kind = MU_OPTION_FLAG,
-         .help = "one object a line",
-         .target = &options.json},
+        MU_REAL("lease", "S", lease_s,
+                "add: how long it is offered; until it is removed unless said", .max = 3.2e9),
+        MU_FLAG("json", options.json, "one object a line"),
     };
     static struct mu_options o;
     o = (struct mu_options){

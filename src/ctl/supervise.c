@@ -11,6 +11,7 @@
 #include <limits.h>
 #include <poll.h>
 #include <signal.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,6 +34,43 @@ void supervise_signals_note(void)
     sigaction(SIGTERM, &note, NULL);
     sigaction(SIGHUP, &note, NULL);
 }
+
+/* --- command lines ---------------------------------------------------------------------------- */
+
+static struct {
+    const char *items[SUPERVISE_LINE_MAX];
+    size_t count;
+    struct mu_text text;
+} line;
+
+void supervise_words(const char *program)
+{
+    static char bytes[SUPERVISE_LINE_BYTES];
+    mu_text_init(&line.text, bytes, sizeof bytes);
+    line.count = 0;
+    line.items[line.count++] = program;
+}
+
+void supervise_word(const char *format, ...)
+{
+    char word[2 * PATH_MAX + 256];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(word, sizeof word, format, args);
+    va_end(args);
+    MU_ASSERT(line.count < SUPERVISE_LINE_MAX - 1);
+    line.items[line.count++] = line.text.at + line.text.len;
+    mu_text_add_bytes(&line.text, word, strlen(word) + 1);
+    MU_ASSERT(!line.text.cut);
+}
+
+const char *const *supervise_words_end(void)
+{
+    line.items[line.count] = NULL;
+    return line.items;
+}
+
+/* --- processes -------------------------------------------------------------------------------- */
 
 void supervise_init(struct supervise *s, bool quiet, bool spread)
 {

@@ -20,7 +20,9 @@
 enum {
     SUPERVISE_CHILDREN_MAX = MU_ROBOTS_MAX + 80,
     SUPERVISE_WORDS_MAX = 1024,
-    SUPERVISE_FATE_MAX = 96
+    SUPERVISE_FATE_MAX = 96,
+    SUPERVISE_LINE_MAX = 4 * MU_ROBOTS_MAX + 640, /* words of a command line */
+    SUPERVISE_LINE_BYTES = 1024 * 1024
 };
 
 struct child {
@@ -55,6 +57,15 @@ extern volatile sig_atomic_t run_signal;
 
 /** Lets SIGINT, SIGTERM and SIGHUP set run_signal. */
 void supervise_signals_note(void);
+
+/** Begins the words of a command line, in the memory of the one before. */
+void supervise_words(const char *program);
+
+/** Adds a word. */
+void supervise_word(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/** @return the words, with NULL behind the last, until the next line is begun */
+const char *const *supervise_words_end(void);
 
 /**
  * Takes memory at start-up.

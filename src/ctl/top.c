@@ -288,31 +288,16 @@ static int lines_run(void)
 
 static struct mu_option option_table[] = {
     MU_NETWORK_OPTIONS(set.network),
-    {.name = "sort",
-     .kind = MU_OPTION_STRING,
-     .unit = "KEY",
-     .fallback = "name",
-     .help = "name, state, distance, speed, stalls, stalled, explored, nearest, sent, received, "
-             "fired, mean, efficiency, goal, x, y",
-     .target = &set.sort},
-    {.name = "every",
-     .kind = MU_OPTION_REAL,
-     .unit = "S",
-     .fallback = "1",
-     .help = "seconds of wall time between two tables",
-     .target = &set.every_s,
-     .min = 0.05,
-     .max = 3600},
-    {.name = "once", .kind = MU_OPTION_FLAG, .help = "one table, and end", .target = &set.once},
-    {.name = "goal",
-     .kind = MU_OPTION_LIST,
-     .unit = "NAME=X,Y[,NEAR]",
-     .help = "where a robot is to go (m): how long it takes there is shown",
-     .target = &set.goals},
-    {.name = "json",
-     .kind = MU_OPTION_FLAG,
-     .help = "one object a line: each robot at each update, and the end",
-     .target = &set.json},
+    MU_STRING("sort", "KEY", set.sort,
+              "name, state, distance, speed, stalls, stalled, explored, nearest, sent, received, "
+              "fired, mean, efficiency, goal, x, y",
+              .fallback = "name"),
+    MU_REAL("every", "S", set.every_s, "seconds of wall time between two tables", .fallback = "1",
+            .min = 0.05, .max = 3600),
+    MU_FLAG("once", set.once, "one table, and end"),
+    MU_LIST("goal", "NAME=X,Y[,NEAR]", set.goals,
+            "where a robot is to go (m): how long it takes there is shown"),
+    MU_FLAG("json", set.json, "one object a line: each robot at each update, and the end"),
 };
 
 static mu_result settings_check(void)

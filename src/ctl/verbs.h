@@ -17,17 +17,7 @@ int pages_verb_lookup(int argc, char **argv);
 
 int wait_verb(int argc, char **argv);
 
-int post_verb_send(int argc, char **argv);
-int post_verb_broadcast(int argc, char **argv);
-int post_verb_do(int argc, char **argv);
-int post_verb_start(int argc, char **argv);
-int post_verb_suspend(int argc, char **argv);
-int post_verb_resume(int argc, char **argv);
-int post_verb_step(int argc, char **argv);
-int post_verb_move(int argc, char **argv);
-int post_verb_clone(int argc, char **argv);
-int post_verb_dispose(int argc, char **argv);
-int post_verb_group_send(int argc, char **argv);
+int post_verb(int argc, char **argv); /* of all that send mail: "send", "group send", ... */
 
 int console_verb(int argc, char **argv);
 

@@ -33,19 +33,9 @@ static struct {
 } chosen;
 
 static struct mu_option option_table[] = {
-    {.name = "keep",
-     .kind = MU_OPTION_FLAG,
-     .help = "leave the folder of the second run, and say where it is",
-     .target = &chosen.keep},
-    {.name = "verbose",
-     .letter = 'v',
-     .kind = MU_OPTION_FLAG,
-     .help = "show what the second run says",
-     .target = &chosen.verbose},
-    {.name = "json",
-     .kind = MU_OPTION_FLAG,
-     .help = "say what came out as one line of JSON",
-     .target = &chosen.json}};
+    MU_FLAG("keep", chosen.keep, "leave the folder of the second run, and say where it is"),
+    MU_FLAG("verbose", chosen.verbose, "show what the second run says", .letter = 'v'),
+    MU_FLAG("json", chosen.json, "say what came out as one line of JSON")};
 
 struct verify {
     const char *file;

@@ -33,34 +33,13 @@ static struct wait wait;
 
 static struct mu_option wait_table[] = {
     MU_NETWORK_OPTIONS(wait.options.network),
-    {.name = "broker",
-     .kind = MU_OPTION_FLAG,
-     .help = "until a broker answers",
-     .target = &wait.broker},
-    {.name = "hosts",
-     .kind = MU_OPTION_INTEGER,
-     .unit = "N",
-     .help = "until so many hosts are there",
-     .target = &wait.hosts,
-     .min = 0,
-     .max = MU_PROCESSES_MAX},
-    {.name = "run",
-     .kind = MU_OPTION_FLAG,
-     .help = "until a run has begun its steps",
-     .target = &wait.run},
-    {.name = "service",
-     .kind = MU_OPTION_STRING,
-     .unit = "QUERY",
-     .help = "until somebody offers this, such as 'map hz>=1'",
-     .target = &wait.service},
-    {.name = "timeout",
-     .kind = MU_OPTION_REAL,
-     .unit = "S",
-     .fallback = "60",
-     .help = "wait no longer than this; then the exit code is 124",
-     .target = &wait.timeout_s,
-     .min = 0,
-     .max = 1e9}};
+    MU_FLAG("broker", wait.broker, "until a broker answers"),
+    MU_INTEGER("hosts", "N", wait.hosts, "until so many hosts are there", .min = 0,
+               .max = MU_PROCESSES_MAX),
+    MU_FLAG("run", wait.run, "until a run has begun its steps"),
+    MU_STRING("service", "QUERY", wait.service, "until somebody offers this, such as 'map hz>=1'"),
+    MU_REAL("timeout", "S", wait.timeout_s, "wait no longer than this; then the exit code is 124",
+            .fallback = "60", .min = 0, .max = 1e9)};
 
 static bool is_late(const struct wait *w)
 {

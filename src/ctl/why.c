@@ -29,8 +29,7 @@ struct ask {
 
 static struct ask ask;
 
-static struct mu_option option_table[] = {
-    {.name = "json", .kind = MU_OPTION_FLAG, .help = "one object per line", .target = &ask.json}};
+static struct mu_option option_table[] = {MU_FLAG("json", ask.json, "one object per line")};
 
 static const char *const states[] = {[muster_STATE_STANDBY] = "standby",
                                      [muster_STATE_RUNNING] = "running",

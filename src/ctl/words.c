@@ -42,6 +42,17 @@ bool words_name_check(const char *program, const char *what, const char *name)
     return false;
 }
 
+bool words_place_check(const char *program, const char *name)
+{
+    char shown[MU_TEXT_SHOWN];
+    if (mu_name_valid(name) && !mu_name_reserved(name)) {
+        return true;
+    }
+    fprintf(stderr, "%s: '%s' cannot be the name of an agent or a host\n", program,
+            mu_text_show(shown, name));
+    return false;
+}
+
 bool words_group_check(const char *program, const char *name)
 {
     if (!words_name_check(program, "a group", name)) {

@@ -20,6 +20,9 @@ bool words_are_utf8(const char *text);
 /** @return whether it is a name; if not, standard error says what one is */
 bool words_name_check(const char *program, const char *what, const char *name);
 
+/** The same for that of an agent that is made, or of a host. */
+bool words_place_check(const char *program, const char *name);
+
 /** The same for a group. */
 bool words_group_check(const char *program, const char *name);
 
