@@ -66,7 +66,6 @@ CIRCLES = {
     "experiment": [8],
     "report": [6],
     "mcap": [2, 2],
-    "core": [2],
 }
 # The same of folders.
 FOLDER_CIRCLES = {}

@@ -85,8 +85,7 @@ void mail_on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 /* Answers the sender with the output of a line, as one CLIPS string. */
 static void line_answer(struct robot *r, const struct mu_mail *asked, bool done)
 {
-    struct mu_text quoted;
-    mu_text_init(&quoted, r->group->quoted, sizeof r->group->quoted);
+    struct mu_text quoted = mu_text_in(r->group->quoted, sizeof r->group->quoted);
     mu_text_add(&quoted, "\"");
     for (const char *c = r->group->answer; *c && quoted.len < sizeof r->group->quoted - 3; c++) {
         if (*c == '"' || *c == '\\') {
@@ -106,8 +105,7 @@ enum mu_take mail_take_facts(void *self, mu_agent *a, const struct mu_mail *mail
     (void)a;
     struct robot *r = self;
     percept_settle(r);
-    struct mu_text answer;
-    mu_text_init(&answer, r->group->answer, sizeof r->group->answer);
+    struct mu_text answer = mu_text_in(r->group->answer, sizeof r->group->answer);
     bool done = mind_facts(r->mind, mail->content, &answer) == MU_OK;
     line_answer(r, mail, done);
     return MU_TAKEN;
@@ -127,8 +125,7 @@ static mu_result line_set_aside(struct mind *m, const char *line, struct mu_text
 static void directive_do(struct robot *r, mu_agent *a, const struct mu_mail *mail)
 {
     bool is_console = strcmp(mail->ontology, "console") == 0;
-    struct mu_text answer;
-    mu_text_init(&answer, r->group->answer, sizeof r->group->answer);
+    struct mu_text answer = mu_text_in(r->group->answer, sizeof r->group->answer);
     mu_result (*carry_out)(struct mind *, const char *, struct mu_text *) =
         aside_begin(r, mail) ? mind_line : line_set_aside;
     bool done = is_console ? console_answer(r, mail, carry_out)
@@ -151,10 +148,9 @@ static void directive_do(struct robot *r, mu_agent *a, const struct mu_mail *mai
 enum mu_take mail_take_question(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     struct robot *r = self;
-    struct mu_text answer;
     struct mind_mail letter = letter_of(mail, mail->number);
     percept_settle(r);
-    mu_text_init(&answer, r->group->answer, sizeof r->group->answer);
+    struct mu_text answer = mu_text_in(r->group->answer, sizeof r->group->answer);
     if (!mind_answer(r->mind, &letter, &answer) || answer.cut) {
         return MU_PASS;
     }
@@ -276,8 +272,7 @@ void mail_on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
 void mail_refuse_directive(mu_agent *a, const struct mu_mail *mail)
 {
     char content[2 * MU_FIELD_MAX];
-    struct mu_text t;
-    mu_text_init(&t, content, sizeof content);
+    struct mu_text t = mu_text_in(content, sizeof content);
     mu_text_format(&t, "%s %s", mail->performative, mu_refusal_word(MU_REFUSAL_UNSUPPORTED));
     if (mail->reply_with[0] && mu_agent_reply(a, mail, "refuse", content) != MU_OK) {
         mu_log(MU_LOG_WARNING, "answer-lost", "to=%s", mail->src);

@@ -24,11 +24,7 @@ static struct group_process *group_make(const struct robot_options *set)
 static mu_result robots_think(struct group_process *g)
 {
     char folder[PATH_MAX];
-    if (!mu_path_rules(folder, sizeof folder)) {
-        fprintf(stderr, "muster robot: the shared rules are not found; set MUSTER_RULES to the "
-                        "folder that has muster.clp\n");
-        return MU_FAULT_FILE;
-    }
+    MU_TRY(mu_path_rules_need(folder, sizeof folder, "muster robot"));
     g->rules_folder = mu_startup_string(folder);
     MU_TRY(robot_mind_open_map(g));
     for (uint32_t i = 0; i < g->count; i++) {
@@ -40,13 +36,9 @@ static mu_result robots_think(struct group_process *g)
 static mu_result robots_join(struct group_process *g)
 {
     const struct robot_options *set = g->set;
-    struct mu_process_options options = {.domain = (int)set->network.domain,
-                                         .interface = set->network.interface,
-                                         .peer = mu_network_peers(&set->network),
-                                         .name = set->name,
-                                         .broker = set->network.broker,
-                                         .agents = g->count + 1, /* an envoy */
-                                         .with_body = true};
+    struct mu_process_options options = join_options(&set->network, set->name);
+    options.agents = g->count + 1; /* an envoy */
+    options.with_body = true;
     MU_TRY(mu_process_open(&g->process, &options));
     for (uint32_t i = 0; i < g->count; i++) {
         if (g->robots[i].state != ROBOT_VACANT) {
@@ -97,8 +89,7 @@ static void group_round(void *self)
 static int functions_print(void)
 {
     static char bytes[32 << 10];
-    struct mu_text text;
-    mu_text_init(&text, bytes, sizeof bytes);
+    struct mu_text text = mu_text_in(bytes, sizeof bytes);
     mind_functions(&text);
     fputs(text.at, stdout);
     return MU_EXIT_DONE;

@@ -73,12 +73,7 @@ static mu_result options_check(const struct robot_options *set)
                         "muster robot red --rules rules/follower.clp\n");
         return MU_FAULT_USAGE;
     }
-    if (!mu_name_valid(set->name) || mu_name_reserved(set->name)) {
-        char shown[MU_TEXT_SHOWN];
-        fprintf(stderr,
-                "muster robot: '%s' cannot be a robot's name: it must match "
-                "[A-Za-z_][A-Za-z0-9_.-]{0,30} and not be reserved\n",
-                mu_text_show(shown, set->name));
+    if (!mu_name_check("muster robot", "a robot", set->name)) {
         return MU_FAULT_USAGE;
     }
     if (!names_fit(set)) {

@@ -223,8 +223,7 @@ static void mind_timer(int number)
 {
     (void)number;
     char bytes[320];
-    struct mu_text why;
-    mu_text_init(&why, bytes, sizeof bytes);
+    struct mu_text why = mu_text_in(bytes, sizeof bytes);
     int code = mind_look(MIND_LOOK_MS, &why);
     if (code != MIND_WAITS) {
         ssize_t written = write(STDERR_FILENO, why.at, why.len);

@@ -85,10 +85,9 @@ bool snapshot_header_read(const char **text, struct snapshot_header *out)
 const char *agent_write(struct robot *r, const struct snapshot_header *p, struct mu_text *out,
                         struct mu_fault *fault)
 {
-    struct mu_text rest;
     mu_text_clear(out);
     snapshot_header_add(out, p);
-    mu_text_init(&rest, out->at + out->len, out->size - out->len);
+    struct mu_text rest = mu_text_in(out->at + out->len, out->size - out->len);
     if (mind_save(r->mind, &rest, fault) != MU_OK) {
         return fault->text;
     }

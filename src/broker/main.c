@@ -7,12 +7,12 @@
 #include "core/clock.h"
 #include "core/exits.h"
 #include "core/log.h"
+#include "core/signals.h"
 #include "core/text.h"
 #include "muster/memory.h"
 
 #include <limits.h>
 #include <malloc.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -44,14 +44,6 @@ struct node {
     char simulator[MU_PROCESS_MAX + 1]; /* of the last roster: it gets mail and sends none */
     uint64_t began_ns, looked_ns;
 };
-
-static volatile sig_atomic_t signal_came;
-
-static void signal_note(int number)
-{
-    (void)number;
-    signal_came = 1;
-}
 
 static uint64_t post_now(const struct node *p)
 {
@@ -271,7 +263,7 @@ static void doubt_settle(struct node *p, bool is_lone)
 {
     struct beacon *h = &p->herald;
     uint64_t until_ns = post_now(p) + DOUBT_NS;
-    while (!is_lone && !h->yields && !signal_came && post_now(p) < until_ns) {
+    while (!is_lone && !h->yields && !mu_signal_came && post_now(p) < until_ns) {
         beacon_hear(h);
         beacon_tell(h, p->broker, &p->bags);
         bus_wait(&p->bus, 1, IMPATIENT_NS);
@@ -283,15 +275,10 @@ static void doubt_settle(struct node *p, bool is_lone)
 static int network_join(struct node *p, const struct mu_network *network,
                         const struct broker_options *broker)
 {
-    struct bus_options bus = {.domain = (int)network->domain,
-                              .place = BUS_BROKER,
-                              .name = "broker",
-                              .interface = network->interface,
-                              .hub = mu_network_peers(network)};
-    mu_result opened = bus_open(&p->bus, &bus);
+    mu_result opened = bus_join(&p->bus, network, BUS_BROKER, "broker");
     if (opened == MU_BUSY) {
         fprintf(stderr, "muster broker: domain %d has as many brokers on this host as it can\n",
-                bus.domain);
+                (int)network->domain);
     }
     bool on_loopback = config_is_loopback(network->interface);
     bool joined = opened == MU_OK && post_open(p, broker->name, on_loopback) == MU_OK &&
@@ -333,14 +320,12 @@ int main(int argc, char **argv)
     if (code != MU_EXIT_DONE) {
         return code;
     }
-    struct sigaction note = {.sa_handler = signal_note};
-    sigaction(SIGINT, &note, NULL);
-    sigaction(SIGTERM, &note, NULL);
+    mu_signals_note();
     mu_memory_seal();
     doubt_settle(p, network->peers.count == 0 && bus_is_lone_broker(&p->bus, (int)network->domain));
     mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d index=%d", name, (int)network->domain,
            p->bus.index);
-    while (!signal_came && !p->herald.yields) {
+    while (!mu_signal_came && !p->herald.yields) {
         post_round(p);
     }
     beacon_close(&p->herald);

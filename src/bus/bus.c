@@ -6,6 +6,7 @@
 #include "bus/loopback.h"
 #include "bus/topics.h"
 #include "core/clock.h"
+#include "core/network.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
 
@@ -35,8 +36,7 @@ static void log_nothing(void *arg, const dds_log_data_t *data)
 static dds_return_t domain_create(const struct bus_options *options, int index)
 {
     static char buffer[CONFIG_XML_MAX];
-    struct mu_text xml;
-    mu_text_init(&xml, buffer, sizeof buffer);
+    struct mu_text xml = mu_text_in(buffer, sizeof buffer);
     config_write(&xml, options, index);
     MU_ASSERT(!xml.cut);
 
@@ -205,6 +205,17 @@ mu_result bus_open(struct bus *bus, const struct bus_options *options)
     }
     bus_arrivals_init(bus);
     return MU_OK;
+}
+
+mu_result bus_join(struct bus *bus, const struct mu_network *network, enum bus_place place,
+                   const char *name)
+{
+    struct bus_options options = {.domain = (int)network->domain,
+                                  .place = place,
+                                  .name = name,
+                                  .interface = network->interface,
+                                  .hub = mu_network_peers(network)};
+    return bus_open(bus, &options);
 }
 
 void bus_close(struct bus *bus)

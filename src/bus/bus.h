@@ -125,6 +125,11 @@ enum bus_life {
  */
 MU_MUST_USE mu_result bus_open(struct bus *bus, const struct bus_options *options);
 
+/** bus_open as the options of a program say. */
+struct mu_network;
+MU_MUST_USE mu_result bus_join(struct bus *bus, const struct mu_network *network,
+                               enum bus_place place, const char *name);
+
 /** Leaves the network; what was written and not yet sent is sent first.  The domain may be opened
  * again. */
 void bus_close(struct bus *bus);

@@ -31,4 +31,11 @@ const char *mu_address_rest(const char *dst);
 /** Takes the next name from a list.  @return false at the end, or at an invalid name */
 bool mu_address_next(const char **list, char name[MU_NAME_MAX + 1]);
 
+/* The schemes that muster-resolver knows, and an experiment may ask for; all of them, for the
+ * braces of an array. */
+#define MU_SCHEME_ROLE "role"
+#define MU_SCHEME_TASK "task"
+#define MU_SCHEME_NEAR "near"
+#define MU_SCHEMES     MU_SCHEME_ROLE, MU_SCHEME_TASK, MU_SCHEME_NEAR
+
 #endif

@@ -44,8 +44,7 @@ void mu_log(enum mu_log_level level, const char *event, const char *format, ...)
     va_end(args);
 
     char buffer[1200];
-    struct mu_text line;
-    mu_text_init(&line, buffer, sizeof buffer);
+    struct mu_text line = mu_text_in(buffer, sizeof buffer);
     uint64_t now_ms = mu_clock_wall_ns() / 1000000u;
     mu_text_format(&line, "%llu.%03llu %s %s %s ", (unsigned long long)(now_ms / 1000u),
                    (unsigned long long)(now_ms % 1000u), words[level], log_component, event);

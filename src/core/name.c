@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/name.h"
 
+#include "core/text.h"
 #include "muster/limits.h"
 
-#include <stddef.h>
+#include <stdio.h>
 #include <string.h>
 
 static bool name_starts(char c)
@@ -58,4 +59,17 @@ bool mu_name_reserved(const char *name)
                                            "observer", "operator", "broker"};
     return name_is_in(name, reserved, sizeof reserved / sizeof reserved[0]) ||
            strncmp(name, "broker.", 7) == 0;
+}
+
+bool mu_name_check(const char *program, const char *whose, const char *name)
+{
+    char shown[MU_TEXT_SHOWN];
+    bool good = mu_name_valid(name) && !mu_name_reserved(name);
+    if (!good) {
+        fprintf(stderr,
+                "%s: '%s' cannot be %s's name: it must match [A-Za-z_][A-Za-z0-9_.-]{0,30} and not "
+                "be reserved\n",
+                program, mu_text_show(shown, name), whose);
+    }
+    return good;
 }

@@ -17,6 +17,9 @@ bool mu_name_valid(const char *name);
  */
 bool mu_name_reserved(const char *name);
 
+/** @return whether a program may bear it; if not, said so.  @param whose  "a robot" */
+bool mu_name_check(const char *program, const char *whose, const char *name);
+
 /** @return whether a group may be named so: a name, but not all, robots, special, broker, which
  *  stand for others where receivers are named */
 bool mu_name_of_group(const char *name);

@@ -19,8 +19,7 @@ const char *mu_network_peers(const struct mu_network *network)
         return NULL;
     }
     char *joined = mu_startup_alloc(bytes);
-    struct mu_text text;
-    mu_text_init(&text, joined, bytes);
+    struct mu_text text = mu_text_in(joined, bytes);
     for (size_t i = 0; i < network->peers.count; i++) {
         mu_text_format(&text, "%s%s", i ? "," : "", network->peers.items[i]);
     }

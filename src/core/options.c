@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/options.h"
-#include "core/spell.h"
 
-#include "core/options_config.h"
+#include "core/spell.h"
 #include "core/text.h"
 
 #include <ctype.h>
@@ -35,16 +34,6 @@ static mu_result options_wrong(const struct mu_options *o)
 {
     fprintf(stderr, "try '%s --help'\n", o->program);
     return MU_FAULT_USAGE;
-}
-
-struct mu_option *mu_options_find(const struct mu_options *options, const char *name)
-{
-    for (size_t i = 0; i < options->count; i++) {
-        if (strcmp(options->table[i].name, name) == 0) {
-            return &options->table[i];
-        }
-    }
-    return NULL;
 }
 
 static const struct mu_option *options_find_common(const char *name)
@@ -123,8 +112,7 @@ static mu_result options_read_long(struct options_reader *r, const char *argumen
     char name[64];
     const char *equals = strchr(argument, '=');
     size_t len = equals ? (size_t)(equals - argument) - 2 : strlen(argument) - 2;
-    struct mu_text text;
-    mu_text_init(&text, name, sizeof name);
+    struct mu_text text = mu_text_in(name, sizeof name);
     mu_text_add_bytes(&text, argument + 2, len);
     const char *value = equals ? equals + 1 : NULL;
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "core/options_config.h"
+#include "core/options.h"
 
 #include "core/fault.h"
 #include "core/text.h"
@@ -127,6 +127,16 @@ bool mu_option_set(struct mu_option *option, const char *value, char why[MU_OPTI
     return set[option->kind](option, value, why);
 }
 
+struct mu_option *mu_options_find(const struct mu_options *options, const char *name)
+{
+    for (size_t i = 0; i < options->count; i++) {
+        if (strcmp(options->table[i].name, name) == 0) {
+            return &options->table[i];
+        }
+    }
+    return NULL;
+}
+
 /* Cuts comment and blanks at both ends; a # inside a word stays. */
 static char *config_trim(char *line)
 {
@@ -176,8 +186,7 @@ static bool config_find_usual(char path[OPTIONS_PATH_MAX])
 {
     const char *folder = getenv("XDG_CONFIG_HOME");
     const char *home = getenv("HOME");
-    struct mu_text text;
-    mu_text_init(&text, path, OPTIONS_PATH_MAX);
+    struct mu_text text = mu_text_in(path, OPTIONS_PATH_MAX);
     if (folder && folder[0]) {
         mu_text_format(&text, "%s/muster/config", folder);
     } else if (home && home[0]) {

@@ -10,8 +10,7 @@ typedef char pair_key[2 * MU_NAME_MAX + 2];
 
 static void key_make(pair_key key, const char *first, const char *second)
 {
-    struct mu_text t;
-    mu_text_init(&t, key, sizeof(pair_key));
+    struct mu_text t = mu_text_in(key, sizeof(pair_key));
     mu_text_add(&t, first);
     mu_text_add(&t, " "); /* comes before all that names are made of: keys sort as pairs do */
     mu_text_add(&t, second);

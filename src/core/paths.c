@@ -28,8 +28,7 @@ static bool program_folder(char *folder, size_t size)
 
 bool mu_path_join(char *path, size_t size, const char *folder, const char *file)
 {
-    struct mu_text t;
-    mu_text_init(&t, path, size);
+    struct mu_text t = mu_text_in(path, size);
     if (file[0] != '/' && folder[0] != '\0') {
         mu_text_format(&t, "%s/", folder);
     }
@@ -63,47 +62,49 @@ bool mu_path_program(char *path, size_t size, const char *program)
     return program_folder(folder, sizeof folder) && mu_path_join(path, size, folder, program);
 }
 
-static bool has_library(const char *folder)
+static bool folder_has(const char *folder, const char *file)
 {
-    char file[PATH_MAX];
-    return mu_path_join(file, sizeof file, folder, "muster.clp") && access(file, R_OK) == 0;
+    char path[PATH_MAX];
+    return mu_path_join(path, sizeof path, folder, file) && access(path, R_OK) == 0;
 }
 
-/* The tree is known by two of its files: three folders above an installed program is a stranger's.
- */
-static bool is_source_tree(const char *folder)
-{
-    char file[PATH_MAX];
-    return mu_path_join(file, sizeof file, folder, "../../../idl/wire.idl") &&
-           access(file, R_OK) == 0;
-}
-
-/* bin below the prefix; build/VARIANT/bin in the source tree.
+/* bin below the prefix; build/VARIANT/bin in the source tree, which is known by two of its files:
+ * three folders above an installed program is a stranger's.
  * @return whether there is such a folder, with that file in it */
 static bool path_ours(char *path, size_t size, const char *folder, const char *file)
 {
     char programs[PATH_MAX], sub[PATH_MAX];
-    char beside[PATH_MAX];
     snprintf(sub, sizeof sub, "../share/muster/%s", folder);
     if (!program_folder(programs, sizeof programs)) {
         return false;
     }
-    if (mu_path_join(path, size, programs, sub) &&
-        mu_path_join(beside, sizeof beside, path, file) && access(beside, R_OK) == 0) {
+    if (mu_path_join(path, size, programs, sub) && folder_has(path, file)) {
         return true;
     }
     snprintf(sub, sizeof sub, "../../../%s", folder);
-    return is_source_tree(programs) && mu_path_join(path, size, programs, sub) &&
-           mu_path_join(beside, sizeof beside, path, file) && access(beside, R_OK) == 0;
+    return folder_has(programs, "../../../idl/wire.idl") &&
+           mu_path_join(path, size, programs, sub) && folder_has(path, file);
 }
 
 bool mu_path_rules(char *path, size_t size)
 {
     const char *chosen = getenv("MUSTER_RULES");
     if (chosen && chosen[0]) {
-        return mu_text_copy(path, size, chosen) && has_library(path);
+        return mu_text_copy(path, size, chosen) && folder_has(path, "muster.clp");
     }
     return path_ours(path, size, "rules", "muster.clp");
+}
+
+mu_result mu_path_rules_need(char *path, size_t size, const char *program)
+{
+    if (mu_path_rules(path, size)) {
+        return MU_OK;
+    }
+    fprintf(stderr,
+            "%s: the shared rules are not found; set MUSTER_RULES to the folder that has "
+            "muster.clp\n",
+            program);
+    return MU_FAULT_FILE;
 }
 
 bool mu_path_experiment(char *path, size_t size, const char *name)

@@ -6,6 +6,8 @@
 #ifndef MUSTER_CORE_PATHS_H
 #define MUSTER_CORE_PATHS_H
 
+#include "muster/result.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <sys/types.h>
@@ -21,6 +23,9 @@ bool mu_path_program(char *path, size_t size, const char *program);
  * @return whether there is one with muster.clp in it
  */
 bool mu_path_rules(char *path, size_t size);
+
+/** The same for a program that does nothing without.  @return MU_OK; MU_FAULT_FILE, said so */
+MU_MUST_USE mu_result mu_path_rules_need(char *path, size_t size, const char *program);
 
 /**
  * Finds an experiment of muster's own by its name, with or without ".yaml": the installed one, else

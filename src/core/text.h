@@ -8,6 +8,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 /* Bytes of a word as it is shown, with the zero. */
 enum { MU_TEXT_SHOWN = 128 };
@@ -20,6 +21,7 @@ struct mu_text {
 };
 
 /** Makes an empty text in the caller's buffer; size >= 1. */
+struct mu_text mu_text_in(char *buffer, size_t size);
 void mu_text_init(struct mu_text *t, char *buffer, size_t size);
 
 /** Empties it. */
@@ -43,5 +45,17 @@ bool mu_text_copy(char *to, size_t size, const char *from);
 
 /** Makes typed text fit for one line of a terminal: short, and printable. */
 const char *mu_text_show(char shown[MU_TEXT_SHOWN], const char *word);
+
+/** The character in place of bytes that are no UTF-8: U+FFFD. */
+#define MU_UTF8_BROKEN      0xfffdu
+#define MU_UTF8_BROKEN_TEXT "\xef\xbf\xbd"
+
+/**
+ * Decodes the character at s.
+ *
+ * @param code  the code point; MU_UTF8_BROKEN for a byte that begins no valid character
+ * @return its bytes, 1 to 4; 0 at the terminating zero
+ */
+size_t mu_utf8_next(const char *s, uint32_t *code);
 
 #endif

@@ -4,7 +4,6 @@
 #include "core/attributes.h"
 #include "core/name.h"
 #include "core/text.h"
-#include "core/utf8.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -59,8 +59,7 @@ static bool runs_folder(char *folder, size_t size)
 static int lock_open(const char *folder, int domain, int flags)
 {
     char path[PATH_MAX];
-    struct mu_text t;
-    mu_text_init(&t, path, sizeof path);
+    struct mu_text t = mu_text_in(path, sizeof path);
     mu_text_format(&t, "%s/domain-%d", folder, domain);
     return open(path, flags | O_CLOEXEC | O_NOFOLLOW, 0600);
 }

@@ -3,7 +3,6 @@
 #include "core/address.h"
 #include "core/attributes.h"
 #include "core/name.h"
-#include "core/schemes.h"
 #include "experiment/experiment_schema.h"
 #include "muster/limits.h"
 #include "muster/memory.h"

@@ -2,7 +2,6 @@
 #include "host/host_options.h"
 
 #include "core/name.h"
-#include "core/text.h"
 
 #include <stdio.h>
 
@@ -39,12 +38,7 @@ mu_result host_options_read(const struct host_options **out, int argc, char **ar
         fprintf(stderr, "muster host: give it a name, for example: muster host north\n");
         return MU_FAULT_USAGE;
     }
-    if (!mu_name_valid(name) || mu_name_reserved(name)) {
-        char shown[MU_TEXT_SHOWN];
-        fprintf(stderr,
-                "muster host: '%s' cannot be a host's name: it must match "
-                "[A-Za-z_][A-Za-z0-9_.-]{0,30} and not be reserved\n",
-                mu_text_show(shown, name));
+    if (!mu_name_check("muster host", "a host", name)) {
         return MU_FAULT_USAGE;
     }
     return options_check_checkpoints(&options.robots->checkpoints, "muster host");

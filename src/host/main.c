@@ -15,13 +15,9 @@
 static mu_result host_connect(struct host *h)
 {
     const struct mu_network *network = &h->set->robots->network;
-    struct mu_process_options options = {.domain = (int)network->domain,
-                                         .interface = network->interface,
-                                         .peer = mu_network_peers(network),
-                                         .name = h->group.host,
-                                         .broker = network->broker,
-                                         .agents = h->group.count + 1, /* itself */
-                                         .with_body = true};
+    struct mu_process_options options = join_options(network, h->group.host);
+    options.agents = h->group.count + 1; /* itself */
+    options.with_body = true;
     MU_TRY(mu_process_open(&h->group.process, &options));
     MU_TRY(host_join(h));
     MU_TRY(natives_begin(h));
@@ -79,13 +75,9 @@ int main(int argc, char **argv)
     }
     mu_log_open(set->robots->name, set->robots->verbose ? MU_LOG_INFO : MU_LOG_WARNING);
     struct host *h = host_make(set);
-    if (!mu_path_rules(h->folder, sizeof h->folder)) {
-        fprintf(stderr, "muster host: the shared rules are not found; set MUSTER_RULES to the "
-                        "folder that has muster.clp\n");
-        return MU_EXIT_FILE;
-    }
     h->group.rules_folder = h->folder;
-    mu_result ready = robot_mind_open_map(&h->group);
+    mu_result ready = mu_path_rules_need(h->folder, sizeof h->folder, "muster host");
+    ready = ready == MU_OK ? robot_mind_open_map(&h->group) : ready;
     ready = ready == MU_OK ? host_connect(h) : ready;
     if (ready != MU_OK) {
         return mu_exit_for(ready);

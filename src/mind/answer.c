@@ -62,8 +62,7 @@ static void field_add(struct mu_text *out, const struct field *f)
 
 void mind_goal(struct mind *m, char goal[MU_FIELD_MAX + 1])
 {
-    struct mu_text out;
-    mu_text_init(&out, goal, MU_FIELD_MAX + 1);
+    struct mu_text out = mu_text_in(goal, MU_FIELD_MAX + 1);
     const struct deftemplate *t = state_has_rules(m) ? EnvFindDeftemplate(m->env, "goal") : NULL;
     if (!t || !t->implied || !t->lastFact) {
         return;

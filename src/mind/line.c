@@ -45,8 +45,7 @@ static size_t line_sets_break(struct syntax_form f)
 static bool line_run(struct mind *m, struct syntax_form f)
 {
     static char bytes[LINE_FORM_MAX]; /* RouteCommand reads it before it evaluates */
-    struct mu_text form;
-    mu_text_init(&form, bytes, sizeof bytes);
+    struct mu_text form = mu_text_in(bytes, sizeof bytes);
     size_t begun = line_sets_break(f);
     mu_text_add(&form, begun ? "(set-break" : "");
     syntax_rewrite(&form, f.at + begun, f.len - begun);

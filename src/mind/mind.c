@@ -237,9 +237,8 @@ static bool line_field(const char *field, struct mu_text *out)
 mu_result mind_set_global(struct mind *m, const char *name, const char *field)
 {
     char bytes[512];
-    struct mu_text build;
     DATA_OBJECT value;
-    mu_text_init(&build, bytes, sizeof bytes);
+    struct mu_text build = mu_text_in(bytes, sizeof bytes);
     if (!state_has_rules(m)) {
         return MU_MALFORMED;
     }

@@ -265,8 +265,7 @@ static void acts_tell(struct mind *m, struct mu_text *t, const struct mu_frame *
 void facts_tell(struct mind *m, const mu_stats *s, const struct mu_frame *f)
 {
     static char bytes[FACTS_TEXT];
-    struct mu_text t;
-    mu_text_init(&t, bytes, sizeof bytes);
+    struct mu_text t = mu_text_in(bytes, sizeof bytes);
     for (size_t i = 0; i < f->robot_count && i < mu_stats_count(s); i++) {
         robot_tell(m, s, i, &f->robots[i]);
     }

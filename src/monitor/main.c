@@ -5,14 +5,15 @@
 #include "core/log.h"
 #include "core/name.h"
 #include "core/paths.h"
+#include "core/signals.h"
 #include "core/text_file.h"
 #include "monitor/facts.h"
 #include "muster/memory.h"
+#include "runtime/join.h"
 #include "runtime/returns.h"
 
 #include <inttypes.h>
 #include <limits.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -64,8 +65,7 @@ static void rules_fire(void)
 static void step_tell(const struct mu_frame *f)
 {
     char fact[MU_CONTENT_MAX];
-    struct mu_text t;
-    mu_text_init(&t, fact, sizeof fact);
+    struct mu_text t = mu_text_in(fact, sizeof fact);
     mu_text_format(&t,
                    "(step (number %" PRId64 ") (time %.9f) (missed %" PRIu64 ") (seed %" PRIu64
                    ") (world ",
@@ -103,8 +103,7 @@ static void on_end(void *self, const struct mu_run_result *result)
     static const char *const ended[] = {"run-ended", NULL};
     static const char *const nothing[] = {NULL};
     char fact[MU_ATTRIBUTES_MAX * 2];
-    struct mu_text t;
-    mu_text_init(&t, fact, sizeof fact);
+    struct mu_text t = mu_text_in(fact, sizeof fact);
     facts_write_end(&t, result);
     if (may_act()) {
         mind_observe(monitor.self->mind, result->time_ns, nothing);
@@ -167,14 +166,8 @@ static mu_result monitor_join(void)
 
 static mu_result monitor_open(void)
 {
-    const struct mu_network *network = &monitor.set.network;
-    struct mu_process_options process = {.domain = (int)network->domain,
-                                         .interface = network->interface,
-                                         .peer = mu_network_peers(network),
-                                         .name = monitor.set.name,
-                                         .broker = network->broker,
-                                         .watches =
-                                             mind_speaks(monitor.self->mind) && !monitor.latest};
+    struct mu_process_options process = join_options(&monitor.set.network, monitor.set.name);
+    process.watches = mind_speaks(monitor.self->mind) && !monitor.latest;
     struct mu_watch_options watch = {
         .latest = monitor.latest,
         .handlers = {.on_scene = on_scene, .on_step = on_step, .on_end = on_end}};
@@ -190,12 +183,8 @@ static mu_result monitor_think(void)
     char folder[PATH_MAX], path[PATH_MAX];
     struct robot *r = monitor.self;
     struct mu_fault fault;
-    if (!mu_path_rules(folder, sizeof folder) ||
-        !mu_path_join(path, sizeof path, folder, "monitor.clp")) {
-        fprintf(stderr, "muster monitor: the shared rules are not found; set MUSTER_RULES to the "
-                        "folder that has muster.clp\n");
-        return MU_FAULT_FILE;
-    }
+    MU_TRY(mu_path_rules_need(folder, sizeof folder, "muster monitor"));
+    MU_ASSERT(mu_path_join(path, sizeof path, folder, "monitor.clp"));
     struct mind_options options = {.read = mu_text_file_read,
                                    .name = r->name,
                                    .seed = (uint64_t)monitor.set.seed,
@@ -247,36 +236,19 @@ static mu_result command_line_parse(int argc, char **argv)
     if (parsed != MU_OK) {
         return parsed;
     }
-    const char *name = monitor.set.name;
     if (!monitor.set.rules || options.words_count > 0) {
         fprintf(stderr, "muster monitor: give it rules, for example: "
                         "muster monitor --rules rules/monitor_stalls.clp\n");
         return MU_FAULT_USAGE;
     }
-    if (!mu_name_valid(name) || mu_name_reserved(name)) {
-        char shown[MU_TEXT_SHOWN];
-        fprintf(stderr, "muster monitor: '%s' cannot be an agent's name\n",
-                mu_text_show(shown, name));
-        return MU_FAULT_USAGE;
-    }
-    return MU_OK;
-}
-
-static volatile sig_atomic_t signal_came;
-
-static void signal_note(int number)
-{
-    (void)number;
-    signal_came = 1;
+    return mu_name_check("muster monitor", "an agent", monitor.set.name) ? MU_OK : MU_FAULT_USAGE;
 }
 
 static mu_result monitor_run(void)
 {
-    struct sigaction note = {.sa_handler = signal_note};
-    sigaction(SIGINT, &note, NULL);
-    sigaction(SIGTERM, &note, NULL);
+    mu_signals_note();
     mu_result spun = MU_OK;
-    while (spun >= 0 && !signal_came && monitor.self->state != ROBOT_VACANT &&
+    while (spun >= 0 && !mu_signal_came && monitor.self->state != ROBOT_VACANT &&
            (!monitor.ended || monitor.stays)) {
         spun = mu_watch_spin(monitor.watch, ROUND_NS);
     }

@@ -5,12 +5,12 @@
 #include "core/log.h"
 #include "core/network.h"
 #include "core/options.h"
+#include "core/signals.h"
 #include "core/text.h"
 #include "muster/memory.h"
 #include "record/tape.h"
 
 #include <inttypes.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,14 +18,6 @@
 
 static const uint64_t LOOK_NS = 100000000;
 static const struct timespec ROUND = {.tv_nsec = 2000000};
-
-static volatile sig_atomic_t signal_came;
-
-static void signal_note(int number)
-{
-    (void)number;
-    signal_came = 1;
-}
 
 static struct {
     struct mu_network network;
@@ -120,7 +112,7 @@ static bool record_live(struct recorder *r)
     uint64_t until_ns =
         set.duration_s > 0 ? mu_clock_ns() + (uint64_t)(set.duration_s * 1e9) : UINT64_MAX;
     bool good = true;
-    while (!signal_came && good && mu_clock_ns() < until_ns) {
+    while (!mu_signal_came && good && mu_clock_ns() < until_ns) {
         bool looks = set.all || set.topics_count > 0; /* our topics are open already */
         if (looks && mu_clock_ns() - r->looked_ns >= LOOK_NS) {
             (void)samples_take(r); /* a tap that asks for less begins anew */
@@ -158,12 +150,7 @@ static void result_print(const struct recorder *r, const char *path)
 
 static mu_result recorder_open(struct recorder *r)
 {
-    struct bus_options options = {.domain = (int)set.network.domain,
-                                  .place = BUS_OBSERVER,
-                                  .name = "recorder",
-                                  .interface = set.network.interface,
-                                  .hub = mu_network_peers(&set.network)};
-    MU_TRY(bus_open(&r->bus, &options));
+    MU_TRY(bus_join(&r->bus, &set.network, BUS_OBSERVER, "recorder"));
     return tap_watch_open(&r->watch, &r->bus);
 }
 
@@ -196,9 +183,7 @@ int main(int argc, char **argv)
     if (recorder_open(r) != MU_OK || taps_open(r) != MU_OK) {
         return MU_EXIT_NETWORK;
     }
-    struct sigaction note = {.sa_handler = signal_note};
-    sigaction(SIGINT, &note, NULL);
-    sigaction(SIGTERM, &note, NULL);
+    mu_signals_note();
     mu_memory_seal();
     (void)record_live(r);
     bus_close(&r->bus);

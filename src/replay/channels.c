@@ -111,8 +111,7 @@ static bool is_same_type(const struct mcap_channel *c, enum bus_topic topic)
 static void older_say(const struct channels *c, const char *topic)
 {
     char bytes[ORIGIN_BYTES];
-    struct mu_text origin;
-    mu_text_init(&origin, bytes, sizeof bytes);
+    struct mu_text origin = mu_text_in(bytes, sizeof bytes);
     mcap_origin_write(c->file, &origin);
     fprintf(stderr,
             "muster replay: %s is left out: it was written by %s, whose %s is another type than "

@@ -5,6 +5,7 @@
 #include "core/log.h"
 #include "core/network.h"
 #include "core/options.h"
+#include "core/signals.h"
 #include "mcap/mcap_read.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
@@ -12,7 +13,6 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,14 +22,6 @@
 static const uint64_t SETTLE_NS = 300000000;
 static const uint64_t DRAIN_NS = 5000000000;
 static const uint64_t ROUND_NS = 5000000;
-
-static volatile sig_atomic_t signal_came;
-
-static void signal_note(int number)
-{
-    (void)number;
-    signal_came = 1;
-}
 
 static struct {
     struct mu_network network;
@@ -100,7 +92,8 @@ static void sleep_ns(uint64_t ns)
 
 static void sleep_until(uint64_t due_ns)
 {
-    for (uint64_t now_ns = mu_clock_ns(); now_ns < due_ns && !signal_came; now_ns = mu_clock_ns()) {
+    for (uint64_t now_ns = mu_clock_ns(); now_ns < due_ns && !mu_signal_came;
+         now_ns = mu_clock_ns()) {
         sleep_ns(due_ns - now_ns < ROUND_NS ? due_ns - now_ns : ROUND_NS);
     }
 }
@@ -118,7 +111,7 @@ static bool all_are_read(const struct replay *r)
 static void readers_await(const struct replay *r)
 {
     uint64_t until_ns = mu_clock_ns() + (uint64_t)(set.wait_s * 1e9);
-    while (!all_are_read(r) && mu_clock_ns() < until_ns && !signal_came) {
+    while (!all_are_read(r) && mu_clock_ns() < until_ns && !mu_signal_came) {
         sleep_ns(ROUND_NS);
     }
     sleep_until(mu_clock_ns() + SETTLE_NS);
@@ -130,7 +123,7 @@ static void readers_await(const struct replay *r)
 static mu_result message_write(struct replay *r, const struct mcap_message *m)
 {
     mu_result written = MU_BUSY;
-    while (!signal_came && written == MU_BUSY) {
+    while (!mu_signal_came && written == MU_BUSY) {
         written = channels_write(&r->channels, m);
         if (written == MU_BUSY) {
             sleep_ns(1000000);
@@ -147,7 +140,7 @@ static mu_result replay_once(struct replay *r)
     mu_result got;
     uint64_t began_ns = mu_clock_ns();
     mcap_reader_seek(r->file, r->from_ns, r->to_ns);
-    while (!signal_came && (got = mcap_reader_next(r->file, &m)) != MU_DONE) {
+    while (!mu_signal_came && (got = mcap_reader_next(r->file, &m)) != MU_DONE) {
         MU_TRY(got);
         if (set.rate > 0) {
             double due_ns = (double)(m.log_ns - r->from_ns) / set.rate;
@@ -160,7 +153,7 @@ static mu_result replay_once(struct replay *r)
 
 static void feeds_drain(const struct replay *r)
 {
-    for (size_t i = 0; i < MU_RECORD_CHANNELS_MAX && !signal_came; i++) {
+    for (size_t i = 0; i < MU_RECORD_CHANNELS_MAX && !mu_signal_came; i++) {
         if (r->channels.feeds[i]) {
             (void)bus_drain(&r->channels.feeds[i]->out, (int64_t)DRAIN_NS);
         }
@@ -172,7 +165,7 @@ static mu_result replay_live(struct replay *r)
     readers_await(r);
     do {
         MU_TRY(replay_once(r));
-    } while (set.loop && !signal_came && r->messages > 0);
+    } while (set.loop && !mu_signal_came && r->messages > 0);
     feeds_drain(r);
     return MU_OK;
 }
@@ -207,17 +200,12 @@ static mu_result file_open(struct replay *r, const char *path)
 
 static int network_open(struct replay *r)
 {
-    struct bus_options options = {.domain = (int)set.network.domain,
-                                  .place = BUS_SIMULATOR,
-                                  .name = "replay",
-                                  .interface = set.network.interface,
-                                  .hub = mu_network_peers(&set.network)};
-    mu_result opened = bus_open(&r->bus, &options);
+    mu_result opened = bus_join(&r->bus, &set.network, BUS_SIMULATOR, "replay");
     if (opened == MU_BUSY) {
         fprintf(stderr,
                 "muster replay: a simulator or another replay is in domain %d; choose "
                 "another one with --domain\n",
-                options.domain);
+                (int)set.network.domain);
         return MU_EXIT_DDS;
     }
     r->channels.bus = &r->bus;
@@ -238,7 +226,7 @@ static int result_print(const struct replay *r)
     if (!set.quiet) {
         printf("%" PRIu64 " messages of %zu topics\n", r->messages, r->channels.count);
     }
-    return signal_came ? MU_EXIT_INTERRUPTED : bad > 0 ? MU_EXIT_FILE : MU_EXIT_DONE;
+    return mu_signal_came ? MU_EXIT_INTERRUPTED : bad > 0 ? MU_EXIT_FILE : MU_EXIT_DONE;
 }
 
 int main(int argc, char **argv)
@@ -263,9 +251,7 @@ int main(int argc, char **argv)
                 path);
         return MU_EXIT_FILE;
     }
-    struct sigaction note = {.sa_handler = signal_note};
-    sigaction(SIGINT, &note, NULL);
-    sigaction(SIGTERM, &note, NULL);
+    mu_signals_note();
     mu_memory_seal();
     mu_result lived = replay_live(r);
     bus_close(&r->bus);

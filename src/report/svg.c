@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "report/svg.h"
 
-#include "core/utf8.h"
+#include "core/text.h"
 
 #include <math.h>
 

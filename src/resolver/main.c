@@ -99,12 +99,8 @@ static mu_result resolver_join(struct resolver *r, const struct settings *set)
 {
     char name[MU_NAME_MAX + 1];
     snprintf(name, sizeof name, "resolver.%s", set->scheme->name);
-    struct mu_process_options options = {.domain = (int)set->network.domain,
-                                         .interface = set->network.interface,
-                                         .peer = mu_network_peers(&set->network),
-                                         .broker = set->network.broker,
-                                         .name = "resolver",
-                                         .watches = true};
+    struct mu_process_options options = join_options(&set->network, "resolver");
+    options.watches = true;
     MU_TRY(mu_process_open(&r->process, &options));
     struct mu_handlers handlers = {
         .self = r, .on_registered = on_registered, .on_world = on_world, .on_state = on_state};
@@ -117,7 +113,7 @@ static mu_result resolver_join(struct resolver *r, const struct settings *set)
     mu_agent_decline_broadcasts(r->agent);
     MU_ASSERT(mu_agent_resolve(r->agent, set->scheme->name, set->scheme->resolve, r->process) ==
               MU_OK);
-    return join_await(r->process, &set->network, "muster resolver", (int)set->network.domain);
+    return join_await(r->process, &set->network, "muster resolver", options.domain);
 }
 
 int main(int argc, char **argv)

@@ -6,9 +6,8 @@
 bool offers_resolve(mu_process *p, const char *key, const char *value, mu_resolution *r)
 {
     char query[MU_QUERY_MAX + 1];
-    struct mu_text t;
     const struct mu_service *s;
-    mu_text_init(&t, query, sizeof query);
+    struct mu_text t = mu_text_in(query, sizeof query);
     mu_text_format(&t, "* %s=%s", key, value);
     if (t.cut) {
         return false;

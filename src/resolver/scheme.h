@@ -6,7 +6,7 @@
 #ifndef MUSTER_RESOLVER_SCHEME_H
 #define MUSTER_RESOLVER_SCHEME_H
 
-#include "core/schemes.h"
+#include "core/address.h"
 #include "muster/muster.h"
 
 struct scheme {

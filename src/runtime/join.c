@@ -3,6 +3,15 @@
 
 enum { JOIN_SILENT_NS = 1000000000 };
 
+struct mu_process_options join_options(const struct mu_network *network, const char *name)
+{
+    return (struct mu_process_options){.domain = (int)network->domain,
+                                       .interface = network->interface,
+                                       .peer = mu_network_peers(network),
+                                       .name = name,
+                                       .broker = network->broker};
+}
+
 mu_result join_await(mu_process *p, const struct mu_network *network, const char *program,
                      int domain)
 {

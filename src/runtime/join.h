@@ -9,6 +9,9 @@
 #include "core/network.h"
 #include "muster/agent.h"
 
+/** @return what the network says of a process; all else is zero */
+struct mu_process_options join_options(const struct mu_network *network, const char *name);
+
 /**
  * Waits for a broker as long as the network's options say; says so after a second, and that none
  * answered.

@@ -4,6 +4,7 @@
 #include "core/log.h"
 #include "core/network.h"
 #include "core/options.h"
+#include "core/signals.h"
 #include "core/text.h"
 #include "muster/memory.h"
 #include "sim/record/record.h"
@@ -17,14 +18,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static volatile sig_atomic_t signal_came;
-
-static void signal_note(int number)
-{
-    (void)number;
-    signal_came = 1;
-}
 
 struct settings {
     struct mu_network network;
@@ -156,7 +149,7 @@ static int session_live(struct session *s)
 {
     mu_result gathered = session_gather(s);
     if (gathered == MU_DONE) {
-        return signal_came ? MU_EXIT_INTERRUPTED : MU_EXIT_DONE;
+        return mu_signal_came ? MU_EXIT_INTERRUPTED : MU_EXIT_DONE;
     }
     if (gathered != MU_OK) {
         mu_network_missed(&set.network, "muster sim", (int)set.network.domain);
@@ -213,8 +206,7 @@ static int engine_make(struct simulator *sim, uint64_t step_ns)
 static const char *command_make(const struct simulator *sim)
 {
     static char bytes[PATH_MAX + 128];
-    struct mu_text t;
-    mu_text_init(&t, bytes, sizeof bytes);
+    struct mu_text t = mu_text_in(bytes, sizeof bytes);
     mu_text_format(&t, "muster sim %s --seed %" PRId64 " --duration %g", sim->world->file, set.seed,
                    set.duration_s);
     mu_text_add(&t, set.free ? " --free" : "");
@@ -246,14 +238,9 @@ static int records_open(struct simulator *sim)
 
 static int network_join(struct bus *bus)
 {
-    struct bus_options options = {.domain = (int)set.network.domain,
-                                  .place = BUS_SIMULATOR,
-                                  .name = "simulator",
-                                  .interface = set.network.interface,
-                                  .hub = mu_network_peers(&set.network)};
-    mu_result opened = bus_open(bus, &options);
+    mu_result opened = bus_join(bus, &set.network, BUS_SIMULATOR, "simulator");
     if (opened == MU_BUSY) {
-        fprintf(stderr, "muster sim: domain %d has a simulator already\n", options.domain);
+        fprintf(stderr, "muster sim: domain %d has a simulator already\n", (int)set.network.domain);
     }
     return mu_exit_for(opened);
 }
@@ -278,7 +265,7 @@ static int session_make(struct simulator *sim, uint64_t step_ns)
                                       .hosts = (uint32_t)set.hosts,
                                       .network = &set.network,
                                       .saves = open(set.saves, O_PATH | O_DIRECTORY | O_CLOEXEC),
-                                      .signal_came = &signal_came,
+                                      .signal_came = &mu_signal_came,
                                       .silence_ns = (uint64_t)(set.silence_s * 1e9),
                                       .return_ns = (uint64_t)(set.return_s * 1e9)};
     return session_open(&sim->session, &options) == MU_OK ? MU_EXIT_DONE : MU_EXIT_DDS;
@@ -312,9 +299,7 @@ int main(int argc, char **argv)
     if (code != MU_EXIT_DONE) {
         return code;
     }
-    struct sigaction note = {.sa_handler = signal_note};
-    sigaction(SIGINT, &note, NULL);
-    sigaction(SIGTERM, &note, NULL);
+    mu_signals_note();
     mu_memory_seal();
     code = records_close(&sim, session_live(sim.session));
     if (code == MU_EXIT_DONE || code == MU_EXIT_INTERRUPTED) {

@@ -110,8 +110,7 @@ static mu_result types_check(const struct recording *r, const char *path, struct
             channel == MU_NONE ? NULL : mcap_reader_channel(r->reader, channel);
         if (c && !bus_schema_is(needed[i], c->schema, c->schema_size)) {
             char bytes[128];
-            struct mu_text origin;
-            mu_text_init(&origin, bytes, sizeof bytes);
+            struct mu_text origin = mu_text_in(bytes, sizeof bytes);
             mcap_origin_write(r->reader, &origin);
             return mu_fault_at(fault, path, 0, 0,
                                "it was written by %s, whose %s is another type than that of this "

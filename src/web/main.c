@@ -5,13 +5,14 @@
 #include "core/log.h"
 #include "core/network.h"
 #include "core/options.h"
+#include "core/signals.h"
 #include "desk/desk.h"
 #include "muster/memory.h"
+#include "runtime/join.h"
 #include "runtime/process.h"
 #include "web/web.h"
 
 #include <poll.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/random.h>
@@ -37,14 +38,6 @@ struct web {
     struct watch watch;
     struct server *server;
 };
-
-static volatile sig_atomic_t stopped;
-
-static void stop_note(int number)
-{
-    (void)number;
-    stopped = 1;
-}
 
 static mu_result settings_parse(struct settings *set, int argc, char **argv)
 {
@@ -100,14 +93,9 @@ static bool domain_choose(struct settings *set)
 
 static mu_result network_join(struct web *w, struct settings *set)
 {
-    int domain = (int)set->network.domain;
-    struct mu_process_options options = {.domain = domain,
-                                         .interface = set->network.interface,
-                                         .peer = mu_network_peers(&set->network),
-                                         .broker = set->network.broker,
-                                         .name = "web"};
+    struct mu_process_options options = join_options(&set->network, "web");
     MU_TRY(mu_process_open(&w->process, &options));
-    MU_TRY(watch_open(&w->watch, w->process, domain, &w->board));
+    MU_TRY(watch_open(&w->watch, w->process, options.domain, &w->board));
     w->consoles = consoles_open(w->process, &w->viewers);
     return hands_open(&w->hands, &w->process->bus, &w->viewers, &w->watch);
 }
@@ -180,7 +168,7 @@ static void sources_close(struct web *w)
 static int web_run(struct web *w)
 {
     mu_result spun = MU_OK;
-    while (!stopped && spun >= 0) {
+    while (!mu_signal_came && spun >= 0) {
         round_wait(w);
         spun = w->process ? run_round(w) : MU_OK;
         server_run(w->server, mu_clock_ns());
@@ -208,10 +196,8 @@ int main(int argc, char **argv)
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }
-    struct sigaction stop = {.sa_handler = stop_note}, none = {.sa_handler = SIG_IGN};
-    sigaction(SIGINT, &stop, NULL);
-    sigaction(SIGTERM, &stop, NULL);
-    sigaction(SIGPIPE, &none, NULL);
+    mu_signals_note();
+    signal(SIGPIPE, SIG_IGN);
     int code = page_open(&w, &set);
     if (code == MU_EXIT_DONE) {
         mu_memory_seal();

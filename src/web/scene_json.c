@@ -130,8 +130,8 @@ static void sensors_write(struct mu_json *j)
 
 void scene_json_write(struct mu_text *text, const muster_Scene *scene)
 {
-    struct mu_json j;
     mu_text_clear(text);
+    struct mu_json j;
     mu_json_to_text(&j, text, MU_JSON_LINE);
     mu_json_object(&j, NULL);
     mu_json_string(&j, "world", scene->world);

@@ -84,8 +84,7 @@ static enum MHD_Result text_answer(struct MHD_Connection *c, unsigned status, co
 static enum MHD_Result line_answer(struct MHD_Connection *c, unsigned status, const char *line)
 {
     char bytes[384];
-    struct mu_text text;
-    mu_text_init(&text, bytes, sizeof bytes);
+    struct mu_text text = mu_text_in(bytes, sizeof bytes);
     mu_text_add(&text, line);
     return text_answer(c, status, "text/plain; charset=utf-8", &text);
 }
@@ -154,10 +153,9 @@ static void events_free(void *cls)
 static void hello_put(struct server *s, struct viewer *viewer)
 {
     char bytes[256], id[20];
-    struct mu_text text;
     struct mu_json j;
     snprintf(id, sizeof id, "%016llx", (unsigned long long)viewer->id);
-    mu_text_init(&text, bytes, sizeof bytes);
+    struct mu_text text = mu_text_in(bytes, sizeof bytes);
     mu_text_add(&text, "retry: 1000\n");
     board_event_begin(&text, &j, "hello");
     mu_json_object(&j, NULL);

@@ -315,8 +315,7 @@ static mu_result world_unknown_body(const struct world *world, const char *body,
                                     struct mu_fault *fault)
 {
     char known[160];
-    struct mu_text text;
-    mu_text_init(&text, known, sizeof known);
+    struct mu_text text = mu_text_in(known, sizeof known);
     for (const struct worldfile_entity *e = world->source->definitions; e; e = e->next) {
         if (strcmp(worldfile_kind(e), "position") == 0) {
             mu_text_format(&text, "%s%s", text.len ? " " : "", e->defines);

@@ -4,7 +4,6 @@
 #include "core/address.h"
 #include "core/name.h"
 #include "core/text.h"
-#include "core/utf8.h"
 #include "muster/memory.h"
 
 #include <string.h>

@@ -2,7 +2,6 @@
 #include "broker/names/names.h"
 
 #include "core/text.h"
-#include "core/utf8.h"
 #include "muster/memory.h"
 
 #include <string.h>

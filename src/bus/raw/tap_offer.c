@@ -12,8 +12,7 @@ static void partitions_write(const dds_qos_t *qos, struct tap_offer *offer)
 {
     uint32_t count = 0;
     char **names = NULL;
-    struct mu_text lines;
-    mu_text_init(&lines, offer->partitions, sizeof offer->partitions);
+    struct mu_text lines = mu_text_in(offer->partitions, sizeof offer->partitions);
     if (!dds_qget_partition(qos, &count, &names)) {
         return;
     }
@@ -35,8 +34,7 @@ bool tap_offer(const struct tap *tap, uint64_t writer, struct tap_offer *offer)
         partitions_write(e->qos, offer);
     }
     if (e && e->qos && !tap->ours) {
-        struct mu_text words;
-        mu_text_init(&words, offer->words, sizeof offer->words);
+        struct mu_text words = mu_text_in(offer->words, sizeof offer->words);
         offer_write(e->qos, &words);
     }
     if (e) {

@@ -86,8 +86,7 @@ static void builtin_parse(void *env, enum builtin which, DATA_OBJECT *out)
         strlen(text) > ENVIRONMENT_LINE_MAX ? "at most 16384 bytes" : syntax_check(text);
     if (wrong) {
         char wanted[128];
-        struct mu_text t;
-        mu_text_init(&t, wanted, sizeof wanted);
+        struct mu_text t = mu_text_in(wanted, sizeof wanted);
         mu_text_format(&t, "a text that can be parsed, not one with %s", wrong);
         value_refuse(env, builtin_names[which], wanted);
         return;

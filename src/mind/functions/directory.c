@@ -202,10 +202,9 @@ static void names_once(DATA_OBJECT *names)
 void directory_find_service(void *env, DATA_OBJECT *out)
 {
     char query[MU_QUERY_MAX + 1];
-    struct mu_text text;
     struct mu_query read;
     EnvSetMultifieldErrorValue(env, out);
-    mu_text_init(&text, query, sizeof query);
+    struct mu_text text = mu_text_in(query, sizeof query);
     if (!query_read(env, &text) || mu_attributes_query(&read, query) != MU_OK) {
         if (!GetEvaluationError(env)) {
             value_refuse(env, "find-service",

@@ -158,8 +158,8 @@ void send_hand(void *env, const struct mind_letter *letter, DATA_OBJECT *out)
 static void send_letter(void *env, const char *function, struct mind_letter *letter,
                         const DATA_OBJECT *fields, DATA_OBJECT *out)
 {
-    struct mu_text content;
-    mu_text_init(&content, inputs_of(environment_mind(env))->scratch, MU_CONTENT_MAX + 1);
+    struct mu_text content =
+        mu_text_in(inputs_of(environment_mind(env))->scratch, MU_CONTENT_MAX + 1);
     if (send_content(env, function, fields, &content)) {
         letter->content = content.at;
         send_hand(env, letter, out);

@@ -73,8 +73,7 @@ static void load_said(struct mind *m, char *to, size_t size)
     if (repeat) {
         *repeat = '\0';
     }
-    struct mu_text line;
-    mu_text_init(&line, to, size);
+    struct mu_text line = mu_text_in(to, size);
     for (const char *s = m->said.at; *s; s++) {
         bool blank = *s == '\n' || *s == ' ';
         bool again = line.len == 0 || line.at[line.len - 1] == ' ';
@@ -89,8 +88,7 @@ static void load_said(struct mind *m, char *to, size_t size)
 mu_result load_construct(struct mind *m, const char *path, struct syntax_form f,
                          struct mu_fault *fault)
 {
-    struct mu_text form;
-    mu_text_init(&form, loader_of(m)->form, LOAD_FILE_MAX);
+    struct mu_text form = mu_text_in(loader_of(m)->form, LOAD_FILE_MAX);
     syntax_rewrite(&form, f.at, f.len);
     if (form.cut) {
         return mu_fault_at(fault, path, f.line, 0, "this form is too long");

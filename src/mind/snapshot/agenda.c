@@ -50,8 +50,7 @@ static void key_make(struct mu_text *key, const struct activation *a)
 static void module_save(struct mind *m, struct mu_text *out)
 {
     char bytes[SNAPSHOT_KEY_MAX];
-    struct mu_text key;
-    mu_text_init(&key, bytes, sizeof bytes);
+    struct mu_text key = mu_text_in(bytes, sizeof bytes);
     for (struct activation *a = EnvGetNextActivation(m->env, NULL); a;
          a = EnvGetNextActivation(m->env, a)) {
         key_make(&key, a);
@@ -139,8 +138,7 @@ static bool agenda_read(struct snapshot *c, struct agenda *g)
 static void module_load(struct mind *m, struct agenda *g)
 {
     char bytes[SNAPSHOT_KEY_MAX];
-    struct mu_text key;
-    mu_text_init(&key, bytes, sizeof bytes);
+    struct mu_text key = mu_text_in(bytes, sizeof bytes);
     struct activation *next;
     for (struct activation *a = EnvGetNextActivation(m->env, NULL); a; a = next) {
         next = EnvGetNextActivation(m->env, a);

@@ -77,8 +77,7 @@ static const char *word_split(const char *word, struct mu_text *name)
 static void file_attach(struct mcap_file *f, const struct mu_text *said, const char *path)
 {
     char bytes[NAME_SIZE];
-    struct mu_text name;
-    mu_text_init(&name, bytes, sizeof bytes);
+    struct mu_text name = mu_text_in(bytes, sizeof bytes);
     name_make(&name, said->at);
     mu_result taken =
         said->cut ? MU_FULL : mcap_writer_attach_file(f->file, name.at, media_type(path), path);

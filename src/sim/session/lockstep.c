@@ -21,8 +21,7 @@ static const double PACE_MAX_NS = 1e18;
 
 static mu_result silence_report(struct session *s)
 {
-    struct mu_text who;
-    mu_text_init(&who, s->waits_for, sizeof s->waits_for);
+    struct mu_text who = mu_text_in(s->waits_for, sizeof s->waits_for);
     mu_text_format(&who, "silent for %llu s at step %lld:",
                    (unsigned long long)(recover_patience_ns(s) / 1000000000u), (long long)s->step);
     /* No process can answer a step before it has the mail of the last one. */

@@ -106,9 +106,8 @@ static void steps_give(struct session *s)
 static mu_result nobody_report(struct session *s)
 {
     char who[sizeof s->waits_for];
-    struct mu_text said;
     (void)mu_text_copy(who, sizeof who, s->waits_for);
-    mu_text_init(&said, s->waits_for, sizeof s->waits_for);
+    struct mu_text said = mu_text_in(s->waits_for, sizeof s->waits_for);
     mu_text_format(&said, "died at step %lld and not back within %g s: %s", (long long)s->step,
                    (double)s->options.return_ns / 1e9, who);
     return MU_TIMEOUT;

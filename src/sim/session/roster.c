@@ -314,8 +314,7 @@ static bool agent_lives(const struct session *s, const struct session_agent *age
 bool roster_is_complete(struct session *s)
 {
     const char *broker = broker_of(s);
-    struct mu_text missing;
-    mu_text_init(&missing, s->waits_for, sizeof s->waits_for);
+    struct mu_text missing = mu_text_in(s->waits_for, sizeof s->waits_for);
     for (uint32_t i = 0; i < s->process_count; i++) {
         process_greet(&s->processes[i]);
     }

@@ -109,8 +109,7 @@ static mu_result number_name_read(struct reading *r, const char *name)
             return compare_read(r);
         }
     }
-    struct mu_text why;
-    mu_text_init(&why, r->why, CONDITION_WHY_MAX);
+    struct mu_text why = mu_text_in(r->why, CONDITION_WHY_MAX);
     mu_text_add(&why, "expected one of");
     for (size_t i = 0; i < NUMBERS; i++) {
         mu_text_format(&why, " %s", condition_numbers[i].name);

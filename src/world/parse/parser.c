@@ -64,8 +64,7 @@ static mu_result parser_full(struct parser *p)
 /* Puts a token into words: for "expected ..., found ...". */
 static const char *parser_token_text(const struct token *token, char *buffer, size_t size)
 {
-    struct mu_text text;
-    mu_text_init(&text, buffer, size);
+    struct mu_text text = mu_text_in(buffer, size);
     if (token->kind == TOKEN_END) {
         mu_text_add(&text, "the end of the file");
     } else {
@@ -350,8 +349,7 @@ static mu_result parser_take_include(struct parser *p)
     struct token name = p->token;
     char path[MU_FAULT_FILE_MAX + 1];
     char text[MU_FAULT_FILE_MAX + 1];
-    struct mu_text t;
-    mu_text_init(&t, text, sizeof text);
+    struct mu_text t = mu_text_in(text, sizeof text);
     mu_text_add_bytes(&t, name.text, name.len);
     if (t.cut || !worldfile_path(p->path, text, path, sizeof path)) {
         return parser_expected(p, "a shorter path");
@@ -522,8 +520,7 @@ const struct worldfile_entity *worldfile_definition(const struct world_file *fil
 bool worldfile_path(const char *beside, const char *name, char *path, size_t size)
 {
     const char *slash = strrchr(beside, '/');
-    struct mu_text text;
-    mu_text_init(&text, path, size);
+    struct mu_text text = mu_text_in(path, size);
     if (slash && name[0] != '/') {
         mu_text_add_bytes(&text, beside, (size_t)(slash - beside) + 1);
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The configuration file beyond test_core_options.c: where it is, its limits, and garbage in it. */
 #include "capture.h"
-#include "core/options_config.h"
+#include "core/options.h"
 #include "garble.h"
 #include "suite.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/json.h"
-#include "core/utf8.h"
+#include "core/text.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/text.h"
 #include "core/random.h"
-#include "core/utf8.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>
@@ -195,7 +194,7 @@ int main(void)
         CU_TEST_INFO_NULL,
     };
     CU_SuiteInfo suites[] = {{"core/text", NULL, NULL, NULL, NULL, texts},
-                             {"core/utf8", NULL, NULL, NULL, NULL, utf8},
+                             {"core/text utf8", NULL, NULL, NULL, NULL, utf8},
                              CU_SUITE_INFO_NULL};
     return suites_run(suites);
 }
