@@ -85,9 +85,11 @@ USES_record  := mcap bus core
 USES_replay  := mcap bus core
 USES_experiment := world core
 USES_report  := experiment stats world core
-USES_desk    := runtime stats bus core
-USES_ctl     := desk story mcap report experiment world runtime stats bus core
-USES_web     := desk story mcap runtime stats bus core
+USES_operator := runtime stats bus core
+USES_run     := operator story mcap report experiment world runtime stats bus core
+USES_worldtool := operator report experiment world runtime stats bus core
+USES_cli     := run worldtool operator story mcap report experiment world runtime stats bus core
+USES_web     := operator story mcap runtime stats bus core
 LIBS_core    := -lm
 LIBS_world   := -lccd -lpng -lm
 LIBS_mcap    := -lz -lm
@@ -107,8 +109,10 @@ LIBS_record  := -lddsc -lz -lm
 LIBS_replay  := -lddsc -lz -lm
 LIBS_experiment := -lcyaml -lyaml -lccd -lpng -lm
 LIBS_report  := -ljansson -lcyaml -lyaml -lccd -lpng -lm
-LIBS_desk    := -lddsc -lm
-LIBS_ctl     := -lz -ledit -ljansson -lcyaml -lyaml -lddsc -lccd -lpng -lm
+LIBS_operator := -lddsc -lm
+LIBS_run     := -lz -ljansson -lcyaml -lyaml -lddsc -lccd -lpng -lm
+LIBS_worldtool := -ljansson -lcyaml -lyaml -lddsc -lccd -lpng -lm
+LIBS_cli     := -lz -ledit -ljansson -lcyaml -lyaml -lddsc -lccd -lpng -lm
 LIBS_web     := -lmicrohttpd -lddsc -lz -lm
 # The files of the page are part of the program: src/web/assets.c names them.
 ASSETS := $(patsubst %,$(O)/%.o,$(wildcard src/web/assets/*))
@@ -117,7 +121,7 @@ module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter b
 
 PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot \
             muster-resolver muster-host muster-record muster-replay muster-web muster-monitor)
-MAIN_muster        := ctl
+MAIN_muster        := cli
 MAIN_muster-broker := broker
 MAIN_muster-sim    := sim
 MAIN_muster-robot  := agent
@@ -238,7 +242,7 @@ $(O)/%.o: %.c $(O)/flags | $(GEN:.o=.h) deps $(CLIPS)/core/whole
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
 
 # Known when the packages are there.
-$(O)/src/ctl/run_start.o $(O)/src/ctl/run_report.o: override CPPFLAGS += -DMU_CLIPS_VERSION='"$(shell \
+$(O)/src/run/run_start.o $(O)/src/run/run_report.o: override CPPFLAGS += -DMU_CLIPS_VERSION='"$(shell \
   sed -n 's/^.define VERSION_STRING "\(.*\)"/\1/p' $(CLIPS)/core/constant.h)"'
 
 # In the library, and not where time is spent: small, not fast.

@@ -45,9 +45,11 @@ MAY_INCLUDE = {
     "replay": {"core", "bus", "mcap"},
     "experiment": {"core", "world"},
     "report": {"core", "world", "experiment", "stats"},
-    "desk": {"core", "bus", "runtime"},
-    "ctl": {"core", "world", "bus", "runtime", "experiment", "report", "mcap", "story", "desk", "stats"},
-    "web": {"core", "bus", "runtime", "desk", "mcap", "story"},
+    "operator": {"core", "bus", "runtime"},
+    "run": {"core", "world", "bus", "runtime", "experiment", "report", "mcap", "story", "operator"},
+    "worldtool": {"core", "world", "bus", "experiment", "report", "operator"},
+    "cli": {"core", "world", "bus", "runtime", "experiment", "report", "mcap", "story", "operator", "run", "worldtool", "stats"},
+    "web": {"core", "bus", "runtime", "operator", "mcap", "story"},
 }
 # Foreign headers, and the only files that may include them.
 ONLY_IN = {
@@ -56,7 +58,7 @@ ONLY_IN = {
     r"ode/": r"src/sim/engine/ode_",
     r"ccd/": r"src/world/model/place",
     r"png\.h": r"src/world/parse/bitmap",
-    r"histedit|editline": r"src/ctl/console_edit",
+    r"histedit|editline": r"src/cli/terminal/console_edit",
     r"cyaml/|yaml\.h": r"src/experiment/",
     r"jansson\.h": r"src/report/summary",
     r"openssl/": r"src/sim/record/run_hash",

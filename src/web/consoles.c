@@ -3,8 +3,8 @@
 
 #include "core/clock.h"
 #include "core/name.h"
-#include "desk/desk.h"
 #include "muster/memory.h"
+#include "operator/operator.h"
 
 #include <stdio.h>
 #include <string.h>

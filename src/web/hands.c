@@ -3,7 +3,7 @@
 
 #include "core/clock.h"
 #include "core/text.h"
-#include "desk/desk.h"
+#include "operator/operator.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,8 +2,8 @@
 #include "web/web.h"
 
 #include "core/text.h"
-#include "desk/desk.h"
 #include "muster/memory.h"
+#include "operator/operator.h"
 #include "runtime/process.h"
 #include "web/json.h"
 

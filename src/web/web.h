@@ -11,10 +11,10 @@
 #include "core/json.h"
 #include "core/random.h"
 #include "core/text.h"
-#include "desk/desk.h"
 #include "muster/agent.h"
 #include "muster/limits.h"
 #include "muster/result.h"
+#include "operator/operator.h"
 #include "story/story.h"
 #include "web/json.h"
 

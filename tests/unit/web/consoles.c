@@ -357,7 +357,7 @@ static void test_a_line_that_is_not_delivered(void)
     CU_ASSERT_EQUAL(say("nobody", "(assert (a))", 15), CONSOLES_DONE);
     receipt(sent_await(1)->seq, muster_OUTCOME_UNKNOWN_NAME);
     TURN_UNTIL(one->stream.queue_len > 0);
-    const char *got = told(one); /* what is to be done about it is for desk/answer.c to say */
+    const char *got = told(one); /* what is to be done about it is for operator/answer.c to say */
     has(got, "\"kind\": \"note\", \"ask\": 15, \"text\": \"muster: to nobody: unknown-name");
     has(got, "event: ended\ndata: {\"agent\": \"nobody\", \"ask\": 15, \"good\": false}");
 }
