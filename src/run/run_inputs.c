@@ -108,7 +108,7 @@ static bool mail_tell(struct run_inputs *in, const muster_Mail *m)
         in->refused = true;
         return true;
     }
-    if (!s->agent->registered) {
+    if (s->agent->name_state != NAME_ACCEPTED) {
         return false;
     }
     struct mu_mail mail = letter_of(m);
@@ -191,7 +191,8 @@ static bool all_answered(const struct run_inputs *in)
 {
     for (size_t i = 0; i < in->senders_count; i++) {
         const struct sender *s = &in->senders[i];
-        if (!s->refused && (!s->agent->registered || outbox_has_unanswered(&s->agent->outbox))) {
+        if (!s->refused &&
+            (s->agent->name_state != NAME_ACCEPTED || outbox_has_unanswered(&s->agent->outbox))) {
             return false;
         }
     }

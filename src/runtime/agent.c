@@ -49,13 +49,13 @@ static void name_free(mu_process *p, const char *name)
     struct mu_agent *holder = agent_find(p, name);
     if (holder) {
         (void)mu_table_remove(&p->names, name);
-        holder->departed = true;
+        life_exit_on(holder, EXIT_MOVES);
     }
 }
 
 bool agent_has_last_words(const struct mu_agent *a)
 {
-    bool is_mute = a->departed && a->process->in_lockstep; /* another process answers for it */
+    bool is_mute = life_is_elsewhere(a) && process_in_lockstep(a->process);
     return (a->links[QUEUE_SEND].in && !is_mute) || a->links[QUEUE_ACK].in;
 }
 
@@ -67,10 +67,11 @@ static struct mu_agent *place_take(mu_process *p)
     }
     struct mu_agent *a = p->agents;
     while (a < p->agents + p->agent_count &&
-           (!a->gone || (a->leaving && agent_has_last_words(a)))) {
+           (a->exit == EXIT_PRESENT || (life_is_leaving(a) && agent_has_last_words(a)))) {
         a++;
     }
-    if (a == p->agents + p->agent_count || p->out_pending) { /* what is pending speaks of it */
+    if (a == p->agents + p->agent_count ||
+        p->up_state == UP_PENDING) { /* what is pending speaks of it */
         return NULL;
     }
     for (enum queue_kind kind = 0; kind < QUEUES; kind++) {
@@ -96,8 +97,8 @@ mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu
         return MU_MALFORMED;
     }
     const struct mu_agent *holder = agent_find(p, name);
-    bool follows = holder && (holder->leaving || holder->follows);
-    if (holder && !holder->gone) {
+    bool follows = holder && (life_is_leaving(holder) || holder->name_state == NAME_FOLLOWS);
+    if (holder && holder->exit == EXIT_PRESENT) {
         return MU_EXISTS;
     }
     struct mu_agent *a = place_take(p);
@@ -106,7 +107,7 @@ mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu
     }
     name_free(p, name);
     uint32_t index = (uint32_t)(a - p->agents);
-    a->follows = follows;
+    a->name_state = follows ? NAME_FOLLOWS : NAME_UNSAID;
     a->process = p;
     mu_text_copy(a->name, sizeof a->name, name);
     (void)mu_table_put(&p->names, a->name, index);
@@ -169,8 +170,9 @@ void mu_agent_set_out(mu_agent *a)
 
 bool mu_agent_is_settled(const mu_agent *a)
 {
-    return a->registered && !outbox_has_unsent(&a->outbox) && !outbox_has_unanswered(&a->outbox) &&
-           !a->links[QUEUE_ACK].in && !a->process->out_pending;
+    return a->name_state == NAME_ACCEPTED && !outbox_has_unsent(&a->outbox) &&
+           !outbox_has_unanswered(&a->outbox) && !a->links[QUEUE_ACK].in &&
+           a->process->up_state != UP_PENDING;
 }
 
 struct mu_agent *agent_find(mu_process *p, const char *name)
@@ -206,11 +208,11 @@ void mu_agent_limit_box(mu_agent *a, enum mu_box_policy policy, uint32_t mails, 
 
 mu_result mu_agent_send(mu_agent *a, const struct mu_mail *mail, uint64_t *seq)
 {
-    if (a->gone && !a->leaving) {
+    if (a->exit != EXIT_PRESENT && !life_is_leaving(a)) {
         return MU_REFUSED; /* its last words are out, and the name may be another's */
     }
     mu_result put = outbox_put(&a->outbox, a->name, mail);
-    if (put == MU_OK && a->registered) {
+    if (put == MU_OK && a->name_state == NAME_ACCEPTED) {
         queue_add(&a->process->queues[QUEUE_SEND], QUEUE_SEND, a);
     }
     if (put == MU_OK && seq) {
@@ -257,7 +259,7 @@ mu_result mu_agent_reply(mu_agent *a, const struct mu_mail *mail, const char *pe
 
 mu_result agent_replay(struct mu_agent *a, uint64_t seq, const struct mu_mail *mail)
 {
-    bool follows = a->replays && seq == a->outbox.next_seq;
+    bool follows = a->outbox.replays && seq == a->outbox.next_seq;
     if (!follows && a->outbox.first_seq != a->outbox.next_seq) {
         return MU_BUSY;
     }
@@ -267,7 +269,7 @@ mu_result agent_replay(struct mu_agent *a, uint64_t seq, const struct mu_mail *m
     if (seq != a->outbox.next_seq) {
         return MU_MALFORMED;
     }
-    a->replays = true;
+    a->outbox.replays = true;
     return mu_agent_send(a, mail, NULL);
 }
 
@@ -282,9 +284,7 @@ mu_result mu_agent_drive(mu_agent *a, double forward_m_s, double turn_rad_s)
     if (!isfinite(forward_m_s) || !isfinite(turn_rad_s)) {
         return MU_REFUSED;
     }
-    a->drives = true;
-    a->forward_m_s = forward_m_s;
-    a->turn_rad_s = turn_rad_s;
+    a->speed = (struct agent_speed){true, forward_m_s, turn_rad_s};
     return MU_OK;
 }
 

@@ -11,7 +11,7 @@
 void mu_agent_leave(mu_agent *a)
 {
     a->part.ended = true; /* it lives on: nothing is disposed of */
-    a->departed = true;
+    life_exit_on(a, EXIT_MOVES);
     for (enum queue_kind kind = 0; kind < QUEUES; kind++) {
         queue_remove(&a->process->queues[kind], kind, a); /* nor is anything more to be said */
     }
@@ -36,12 +36,12 @@ static void meet_broker_again(struct mu_agent *a)
     a->earlier_end = a->outbox.next_seq;
 }
 
-static void agent_accepted(struct mu_agent *a, const muster_Verdict *v)
+static void agent_accepted(struct mu_agent *a, const muster_Verdict *v, bool again)
 {
     bool is_new = a->broker_incarnation != v->broker_incarnation;
     if (a->broker_incarnation != 0 && a->broker_incarnation != v->broker_incarnation) {
         meet_other_broker(a, v->broker_incarnation);
-    } else if (a->registered) {
+    } else if (again) {
         meet_broker_again(a);
     }
     a->broker_incarnation = v->broker_incarnation;
@@ -64,25 +64,23 @@ static void agent_accepted(struct mu_agent *a, const muster_Verdict *v)
  * that of an earlier one of that name. */
 void agent_verdict(struct mu_agent *a, const muster_Verdict *v)
 {
-    if (!v->accepted && !a->said) {
+    enum life_name was = a->name_state;
+    if (!life_name_on(a, v->accepted ? NAME_GRANT : NAME_REFUSAL)) {
         return;
     }
     if (v->accepted) {
-        agent_accepted(a, v);
+        agent_accepted(a, v, was == NAME_ACCEPTED);
     } else {
         queue_remove(&a->process->queues[QUEUE_SEND], QUEUE_SEND, a);
         queue_remove(&a->process->queues[QUEUE_ACK], QUEUE_ACK, a);
     }
-    bool is_news = v->accepted ? !a->welcomed : !a->refused;
-    a->registered = v->accepted;
+    bool is_news = a->name_state != was && !(v->accepted && was == NAME_ASKED_AGAIN);
     a->refusal = v->accepted ? MU_REFUSAL_NONE : (enum mu_refusal)v->code;
     a->accepted_serial = a->process->inbox.serial;
-    if (a->refused == v->accepted) {
-        a->refused = !v->accepted;
+    if ((was == NAME_REFUSED) == v->accepted) {
         roll_mark(a); /* who comes later is not to hear of a name that was refused */
     }
-    a->welcomed = v->accepted;
-    if (is_news && !a->gone && a->handlers.on_registered) {
+    if (is_news && a->exit == EXIT_PRESENT && a->handlers.on_registered) {
         a->handlers.on_registered(a->handlers.self, a, v->accepted, v->reason);
     }
     kind_follow(a);
@@ -174,17 +172,20 @@ void mu_agent_suspend(mu_agent *a, const char *reason)
 void mu_agent_set_state(mu_agent *a, enum mu_state state)
 {
     MU_ASSERT((unsigned)state <= MU_GONE);
-    if (state == a->state || a->gone) {
+    if (state == a->state || a->state == MU_GONE) {
         return;
     }
     a->reason[0] = '\0';
     if (state == MU_GONE) {
         kind_end(a);
+        if (a->state == MU_GONE) {
+            return; /* its last hook has done it */
+        }
         a->last_state = a->state;
     }
     a->state = state;
     if (state == MU_GONE) {
-        a->gone = a->leaving = a->process->leaving = true;
+        life_exit_on(a, EXIT_GOES);
         directory_forget(&a->process->directory, a);
         glances_forget(a);
     } else {

@@ -41,7 +41,7 @@ static size_t body_add(struct mu_text *out, const muster_Act *act)
 void answer_add(struct mu_text *out, const mu_agent *a)
 {
     const mu_process *p = a->process;
-    if (!p->answering) {
+    if (p->up_state != UP_ANSWERING) {
         mu_text_add(out, "answer none\n");
         return;
     }

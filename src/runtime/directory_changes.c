@@ -129,7 +129,7 @@ mu_result mu_agent_watch_service(mu_agent *a, const char *query)
             return MU_OK;
         }
     }
-    if (a->gone) {
+    if (a->state == MU_GONE) {
         return MU_REFUSED;
     }
     struct directory_watch *w = watch_place(d);

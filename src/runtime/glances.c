@@ -32,7 +32,7 @@ mu_result glances_ask(mu_agent *a, const char *agent, const char *line, uint64_t
     if (process_takes_steps(p) || !mu_probe_is(line) || !mu_name_valid(agent)) {
         return MU_REFUSED;
     }
-    if (g->count == MU_GLANCES_EACH || !a->registered) {
+    if (g->count == MU_GLANCES_EACH || a->name_state != NAME_ACCEPTED) {
         return MU_FULL;
     }
     struct glances_asked *q = g->asked;
@@ -107,7 +107,7 @@ static void question_end(mu_process *p, struct glances_asked *q, enum glance_end
     q->asker = NULL;
     p->glances.count--;
     p->glances.unsent -= !q->out;
-    if (a->glances.on_end && !a->gone) {
+    if (a->glances.on_end && a->state != MU_GONE) {
         a->glances.on_end(a->glances.on_end_self, q->number, end, text);
     }
 }

@@ -7,7 +7,7 @@ static enum glance_end due_look(mu_process *p, const struct glances_due *due, co
 {
     mu_agent *a = agent_find(p, due->agent);
     *text = "";
-    if (!a || a->gone || a->departed || a->state == MU_MOVING || !a->glances.look) {
+    if (!a || a->state == MU_GONE || a->state == MU_MOVING || !a->glances.look) {
         return GLANCE_DECLINED;
     }
     return a->glances.look(a->handlers.self, due->line, text);
@@ -27,7 +27,7 @@ static void due_answer(mu_process *p, struct glances_due *due)
     p->out = (muster_Up){.process = p->name, .step = muster_STEP_NOW};
     p->out.glances._buffer = g->out;
     p->out.glances._length = p->out.glances._maximum = 1;
-    p->out_pending = true;
+    process_up_on(p, UP_GOES);
     (void)step_retry(p);
 }
 

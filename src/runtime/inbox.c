@@ -61,7 +61,7 @@ static bool is_for_us(const mu_process *p, const muster_Delivery *d)
 static struct mu_agent *tenant_find(const mu_process *p, uint32_t slot, uint64_t serial)
 {
     struct mu_agent *a = slot < p->agent_count ? &p->agents[slot] : NULL;
-    return a && a->registered && serial > a->accepted_serial ? a : NULL;
+    return a && a->name_state == NAME_ACCEPTED && serial > a->accepted_serial ? a : NULL;
 }
 
 /* @return it as a Delivery of parcels, whose letters stay where they are */

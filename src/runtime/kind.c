@@ -160,7 +160,7 @@ void mu_agent_event_parent(mu_agent *a)
 
 void kind_follow(struct mu_agent *a)
 {
-    if (a->registered && !a->part.created) {
+    if (a->name_state == NAME_ACCEPTED && !a->part.created) {
         a->part.created = true;
         kind_event(a, a->part.beginning);
     }

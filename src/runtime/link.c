@@ -56,12 +56,18 @@ static uint64_t incarnation_next(const mu_process *p)
 /* Last words that did not go out were for the earlier broker: who is leaving has left. */
 void link_register(mu_process *p)
 {
-    p->ready = p->leaving = false;
+    if (p->steps == PROCESS_READY) {
+        (void)process_step_on(p, STEP_UNMATCHED);
+    }
+    p->leaving = 0;
     p->leaving_ns = 0;
     p->heartbeat_ns = mu_clock_ns();
     for (uint32_t i = 0; i < p->agent_count; i++) {
         struct mu_agent *a = &p->agents[i];
-        a->registered = a->leaving = a->follows = false;
+        (void)life_name_on(a, NAME_ANEW);
+        if (life_is_leaving(a)) {
+            life_exit_on(a, EXIT_SAID_ALL);
+        }
         queue_remove(&p->queues[QUEUE_SEND], QUEUE_SEND, a);
         queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a); /* the new broker counts from 1 */
     }
@@ -85,7 +91,7 @@ static mu_result broker_enter(mu_process *p, const char *name, uint64_t incarnat
 {
     struct link *l = &p->link;
     bool is_other = strcmp(l->broker, name) != 0;
-    p->out_pending = false;
+    process_up_on(p, UP_DROPPED);
     if (is_other) {
         bus_writer_close(&p->up);
         mu_text_copy(l->broker, sizeof l->broker, name);
@@ -105,10 +111,10 @@ bool link_is_ours(mu_process *p, const muster_Delivery *d)
 {
     struct link *l = &p->link;
     if (d->broker_incarnation == l->incarnation) {
-        l->lives_ns = p->leaving ? mu_clock_ns() : l->lives_ns;
+        l->lives_ns = p->leaving > 0 ? mu_clock_ns() : l->lives_ns;
         return true;
     }
-    if (p->in_lockstep || d->broker_incarnation < l->incarnation ||
+    if (process_in_lockstep(p) || d->broker_incarnation < l->incarnation ||
         strcmp(d->broker, l->broker) != 0) {
         return false;
     }
@@ -153,7 +159,7 @@ mu_result link_look(mu_process *p, bool *turned)
     }
     l->looked_ns = now_ns;
     beacons_take(l);
-    if (p->in_lockstep) {
+    if (process_in_lockstep(p)) {
         return MU_OK; /* a run that has lost its broker ends */
     }
     const struct choice_broker *now = choice_find(&l->choice, l->broker);

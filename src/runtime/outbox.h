@@ -38,6 +38,7 @@ struct outbox {
     uint64_t unsent_seq;         /* the first that has not gone out (again) */
     uint64_t renumbered;         /* how far seq is ahead of what the slots were filled by */
     bool begun;                  /* a mail has gone out */
+    bool replays;                /* its mails are a recording's, from now on */
     uint64_t own_seq;            /* the first that went out of this process */
     size_t text_head, text_tail; /* used bytes, from tail to head, around the end */
 };

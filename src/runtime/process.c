@@ -63,9 +63,12 @@ void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails)
     p->outbox_slots =
         mu_startup_array((size_t)p->agents_max * p->outbox_mails, sizeof *p->outbox_slots);
     p->outbox_text = mu_startup_array(p->agents_max, outbox_text_bytes(p->outbox_mails));
-    p->rules_text = p->with_body ? mu_startup_array(p->agents_max, PROCESS_RULES_MAX + 1) : NULL;
-    p->note_text = p->with_body ? mu_startup_array(p->agents_max, MU_NOTE_MAX + 1) : NULL;
-    p->bodies = p->watches ? mu_startup_array(MU_ROBOTS_MAX, sizeof *p->bodies) : NULL;
+    p->rules_text =
+        p->role == PROCESS_BODY ? mu_startup_array(p->agents_max, PROCESS_RULES_MAX + 1) : NULL;
+    p->note_text =
+        p->role == PROCESS_BODY ? mu_startup_array(p->agents_max, MU_NOTE_MAX + 1) : NULL;
+    p->bodies =
+        p->role == PROCESS_WATCH ? mu_startup_array(MU_ROBOTS_MAX, sizeof *p->bodies) : NULL;
     p->taken = mu_startup_array(p->agents_max, sizeof *p->taken);
     p->acts = mu_startup_array(acts, sizeof *p->acts);
     /* An agent has the same room in a step whoever it shares the process with. */
@@ -110,9 +113,10 @@ mu_result mu_process_open(mu_process **out, const struct mu_process_options *opt
         return MU_FAULT_USAGE;
     }
     mu_process *p = mu_startup_alloc(sizeof *p);
-    p->with_body = options->with_body;
-    p->watches = options->watches;
-    p->brief = options->brief;
+    p->role = options->with_body ? PROCESS_BODY
+              : options->watches ? PROCESS_WATCH
+              : options->brief   ? PROCESS_BRIEF
+                                 : PROCESS_PLAIN;
     p->pid = getpid();
     process_take_memory(p, options->agents, options->outbox);
     directory_init(&p->directory);
@@ -141,7 +145,7 @@ static bool last_words_are_out(mu_process *p)
  * one took. */
 static void agents_leave(mu_process *p, bool closes)
 {
-    if (!p->leaving || (!closes && p->out_pending)) {
+    if (!closes && (p->leaving == 0 || p->up_state == UP_PENDING)) {
         return;
     }
     if (closes) {
@@ -149,20 +153,20 @@ static void agents_leave(mu_process *p, bool closes)
     } else if (!last_words_are_out(p)) {
         return;
     }
-    p->leaving = false;
+    p->leaving = 0;
     p->leaving_ns = 0;
     for (uint32_t i = 0; i < p->agent_count; i++) {
         struct mu_agent *a = &p->agents[i];
-        if (a->leaving && !closes && agent_has_last_words(a)) {
-            p->leaving = true;
-        } else if (a->leaving) {
-            a->leaving = false;
+        if (life_is_leaving(a) && !closes && agent_has_last_words(a)) {
+            p->leaving++;
+        } else if (life_is_leaving(a)) {
+            life_exit_on(a, EXIT_SAID_ALL);
             roll_mark(a);
         }
     }
-    for (uint32_t i = 0; i < p->agent_count && !p->leaving; i++) {
-        if (p->agents[i].follows) {
-            p->agents[i].follows = false;
+    for (uint32_t i = 0; i < p->agent_count && p->leaving == 0; i++) {
+        if (p->agents[i].name_state == NAME_FOLLOWS) {
+            (void)life_name_on(&p->agents[i], NAME_FREE);
             roll_mark(&p->agents[i]);
         }
     }
@@ -178,7 +182,6 @@ void mu_process_close(mu_process *p)
     for (uint32_t i = 0; i < p->agent_count; i++) {
         kind_end(&p->agents[i]); /* the last mails go out with the rest */
     }
-    p->leaving = true;
     step_flush(p);
     for (uint32_t i = 0; i < p->agent_count; i++) {
         mu_agent_set_state(&p->agents[i], MU_GONE);
@@ -209,7 +212,7 @@ static bool has_seen(const mu_process *p, int64_t step)
 /* Everything that a step needs has found its other side. */
 static bool process_is_ready(const mu_process *p)
 {
-    return process_takes_steps(p) && p->greeted && p->broker_incarnation != 0 && has_seen(p, -1) &&
+    return p->broker_incarnation != 0 && has_seen(p, -1) &&
            bus_writer_reaches(&p->up, p->link.partition) &&
            bus_writer_reaches(&p->up, "simulator") && bus_reader_matches(&p->delivery) > 0 &&
            bus_reader_matches(&p->sense) > 0;
@@ -218,13 +221,14 @@ static bool process_is_ready(const mu_process *p)
 /* @return whether the simulator's steps may come soon */
 static bool process_awaits_steps(const mu_process *p)
 {
-    return p->with_body || (p->watches && bus_reader_matches(&p->sense) > 0);
+    return p->role == PROCESS_BODY ||
+           (p->role == PROCESS_WATCH && bus_reader_matches(&p->sense) > 0);
 }
 
 /* The run is over, or its simulator is gone: no step will come. */
-static void lockstep_leave(mu_process *p)
+static void run_leave(mu_process *p)
 {
-    p->in_lockstep = p->lived_in_lockstep = p->greeted = false;
+    (void)process_step_on(p, STEP_OVER);
     p->step = NULL;
 }
 
@@ -232,19 +236,18 @@ static void registrations_keep(mu_process *p)
 {
     uint64_t now_ns = mu_clock_ns();
     bool due = now_ns - p->heartbeat_ns >= HEARTBEAT_NS;
-    if (due && p->in_lockstep && bus_reader_matches(&p->sense) == 0) {
-        lockstep_leave(p);
+    if (due && process_in_lockstep(p) && bus_reader_matches(&p->sense) == 0) {
+        run_leave(p);
     }
     /* In lock step nothing that is looked at here changes anything; before, every change counts. */
-    bool look = !p->in_lockstep && (due || !p->ready);
-    bool ready = look ? process_is_ready(p) : p->ready;
-    if (ready == p->ready && !due) {
-        return;
-    }
-    if (ready && !p->ready) {
+    if (p->steps == PROCESS_GREETED && process_is_ready(p)) {
         step_hello(p);
+        (void)process_step_on(p, STEP_MATCHED);
+    } else if (!due) {
+        return;
+    } else if (p->steps == PROCESS_READY && !process_is_ready(p)) {
+        (void)process_step_on(p, STEP_UNMATCHED);
     }
-    p->ready = ready;
     p->heartbeat_ns = now_ns;
     roll_beat(p);
 }
@@ -262,43 +265,43 @@ static void next_step(mu_process *p)
     }
     sense = p->step_kept = bus_keep(&p->sense, p->step_kept);
     if (sense->step < 0) {
-        p->greeted = true;
+        (void)process_step_on(p, STEP_GREETING);
         return;
     }
     p->step_wall_ns = mu_clock_ns();
-    p->in_lockstep = sense->lockstep && !sense->last;
     p->lockstep_step = sense->lockstep ? sense->step : p->lockstep_step;
     p->step = sense->last ? NULL : sense;
-    if (sense->last && p->watches) {
-        lockstep_leave(p); /* it serves the next run, too */
-    } else {
-        p->done = sense->last;
-    }
+    bool serves_the_next = sense->last && p->role == PROCESS_WATCH;
+    (void)process_step_on(p, serves_the_next   ? STEP_OVER
+                             : sense->last     ? STEP_LAST
+                             : sense->lockstep ? STEP_LOCKSTEP
+                                               : STEP_FREE);
 }
 
 /* A robot in free running takes its mail in at the next step, if one is to be expected. */
 static bool mail_is_held(const mu_process *p)
 {
-    return p->with_body && !p->in_lockstep && !p->trips.prompt && !p->trips.under_way &&
-           p->step_wall_ns && mu_clock_ns() - p->step_wall_ns < PROCESS_STEP_PATIENCE_NS;
+    return p->role == PROCESS_BODY && !process_in_lockstep(p) && !p->trips.prompt &&
+           !p->trips.under_way && p->step_wall_ns &&
+           mu_clock_ns() - p->step_wall_ns < PROCESS_STEP_PATIENCE_NS;
 }
 
 /* @return whether mail in hand belongs to no step, or to the end of a lock step that is over: no
  * step comes for that any more */
 static bool mail_is_for_now(const mu_process *p)
 {
-    bool is_over = !p->in_lockstep && p->lockstep_step > 0;
+    bool is_over = !process_in_lockstep(p) && p->lockstep_step > 0;
     return p->mail->step == muster_STEP_NOW || (is_over && p->mail->step >= p->lockstep_step - 1);
 }
 
 /* How many samples are worth waking up for. */
 static uint64_t samples_wanted(const mu_process *p)
 {
-    if (inbox_lacks(p) || p->out_pending || (p->mail && mail_is_held(p))) {
+    if (inbox_lacks(p) || p->up_state == UP_PENDING || (p->mail && mail_is_held(p))) {
         return 0; /* more mail may lie in the reader, and waits, too */
     }
     /* A step in lock step needs two: the senses, and the mail of the step before. */
-    return p->in_lockstep && !p->trips.prompt && !p->mail && !p->step ? 2 : 1;
+    return process_in_lockstep(p) && !p->trips.prompt && !p->mail && !p->step ? 2 : 1;
 }
 
 /* Step and mail do not belong together: one of them is of an earlier lock step, whose simulator or
@@ -321,7 +324,7 @@ static bool handle_one(mu_process *p)
 {
     inbox_fill(p);
     glances_look(p);
-    if (p->out_pending) {
+    if (p->up_state == UP_PENDING) {
         return false;
     }
     if (!p->mail) {
@@ -405,7 +408,8 @@ static int64_t patience_ns(mu_process *p)
     if (!mu_process_broker(p)) {
         return EXPECTANT_NS;
     }
-    bool settled = p->roll.due_count == 0 && (p->ready || !process_awaits_steps(p));
+    bool settled =
+        p->roll.due_count == 0 && (p->steps >= PROCESS_READY || !process_awaits_steps(p));
     return settled ? (int64_t)HEARTBEAT_NS : IMPATIENT_NS;
 }
 
@@ -413,13 +417,13 @@ static int64_t patience_ns(mu_process *p)
 static int64_t rest_ns(mu_process *p)
 {
     int64_t most_ns = patience_ns(p);
-    int64_t owed_ns = p->in_lockstep ? INT64_MAX : owed_wait_ns(&p->owed, mu_clock_ns());
+    int64_t owed_ns = process_in_lockstep(p) ? INT64_MAX : owed_wait_ns(&p->owed, mu_clock_ns());
     return owed_ns < most_ns ? owed_ns : most_ns;
 }
 
 static void handle_all(mu_process *p)
 {
-    while (!p->done && step_retry(p) && handle_next(p)) {
+    while (p->steps != PROCESS_DONE && step_retry(p) && handle_next(p)) {
     }
 }
 
@@ -428,8 +432,9 @@ static void handle_all(mu_process *p)
 /* @return whether nothing is to be done but to handle mail */
 static bool may_lend(const mu_process *p)
 {
-    return p->brief && p->runs && !p->round && !p->stopped && !p->leaving && !p->mail &&
-           !p->out_pending && p->roll.due_count == 0 && mu_process_broker(p) != NULL;
+    return p->role == PROCESS_BRIEF && p->runs && !p->round && !p->stopped && p->leaving == 0 &&
+           !p->mail && p->up_state != UP_PENDING && p->roll.due_count == 0 &&
+           mu_process_broker(p) != NULL;
 }
 
 /* What opens, closes or waits is left to who lent the turn: another broker, somebody who leaves.
@@ -460,13 +465,13 @@ static void samples_await(mu_process *p, int64_t most_ns)
         most_ns -= pair_ns;
         wanted = 1;
     }
-    (p->in_lockstep ? bus_wait : bus_wait_awake)(&p->bus, wanted, most_ns);
+    (process_in_lockstep(p) ? bus_wait : bus_wait_awake)(&p->bus, wanted, most_ns);
 }
 
 void process_turn(mu_process *p)
 {
     handle_all(p);
-    if (p->in_lockstep) {
+    if (process_in_lockstep(p)) {
         step_say_trips(p);
     } else {
         step_flush(p);
@@ -484,13 +489,13 @@ static mu_result spin(mu_process *p, int64_t timeout_ns)
     }
     registrations_keep(p);
     roll_write(p);
-    if (!p->in_lockstep) {
+    if (!process_in_lockstep(p)) {
         step_flush(p);
     }
     int64_t most_ns = rest_ns(p);
     samples_await(p, timeout_ns < most_ns ? timeout_ns : most_ns);
     process_turn(p);
-    return p->done ? MU_DONE : MU_OK;
+    return p->steps == PROCESS_DONE ? MU_DONE : MU_OK;
 }
 
 mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
@@ -579,7 +584,7 @@ void process_before_up(mu_process *p, void (*before)(void *self), void *self)
 
 bool mu_process_in_lockstep(const mu_process *p)
 {
-    return p->in_lockstep;
+    return process_in_lockstep(p);
 }
 
 void mu_process_stop(mu_process *p)

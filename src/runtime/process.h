@@ -37,6 +37,12 @@ enum {
     PROCESS_RULES_MAX = 8 * 1024, /* names of fired rules, in bytes */
 };
 
+/* What an agent wants of the wheels of its body. */
+struct agent_speed {
+    bool set; /* in this step */
+    double forward_m_s, turn_rad_s;
+};
+
 struct mu_agent {
     mu_process *process;
     char name[MU_NAME_MAX + 1];
@@ -50,10 +56,9 @@ struct mu_agent {
     uint64_t since_wall_ns;        /* since when it has its name */
     uint64_t epoch;                /* how often it has set out for another process */
     char reason[MU_FIELD_MAX + 1]; /* why it is suspended, if it suspended itself */
-    bool registered, refused;
+    enum life_name name_state;
     enum mu_refusal refusal; /* why its name was refused, if it was */
-    bool said;               /* the broker has been asked for its name */
-    bool welcomed;           /* has been told that its name is accepted */
+    uint64_t refused;        /* verdicts that its state did not allow */
     bool no_broadcasts;
     enum mu_box_policy box_policy; /* when its box is full, */
     uint32_t box_mails;            /* which holds so many mails, */
@@ -61,12 +66,8 @@ struct mu_agent {
     uint64_t broker_incarnation;   /* of the broker that has accepted it; 0: none yet */
     uint64_t accepted_serial;      /* of the Delivery that has said so last, or what came before */
     struct queue_link links[QUEUES];
-    bool replays;             /* its mails are a recording's, from now on */
-    bool gone;                /* takes no part any more */
-    bool departed;            /* it lives in another process now */
-    bool leaving;             /* its registration is still there, until its last mails are out, */
-    enum mu_state last_state; /* in the state that it had */
-    bool follows;             /* one of its name that is leaving: the broker hears of it later */
+    enum life_exit exit;      /* EXIT_PRESENT until it is MU_GONE */
+    enum mu_state last_state; /* which its registration has while it is leaving */
     struct outbox outbox;
     uint64_t progress_ns;    /* wall: when the broker last answered for mail, or mail went out */
     uint64_t earlier_end;    /* mails below this number were there before that one came */
@@ -79,8 +80,7 @@ struct mu_agent {
     enum mu_lift lift;
     bool embodied;             /* this step: the simulator has sent what its body feels */
     struct mu_percept percept; /* this step */
-    bool drives;               /* this step */
-    double forward_m_s, turn_rad_s;
+    struct agent_speed speed;
     uint32_t firings; /* this step */
     char goal[MU_FIELD_MAX + 1];
     uint64_t repeats; /* mails that came again through another broker, and were dropped */
@@ -90,13 +90,63 @@ struct mu_agent {
     uint32_t act;        /* where it stands in the Up that is being put together */
 };
 
+/* What a process is there for; mu_process_open fixes it. */
+enum process_role {
+    PROCESS_PLAIN,
+    PROCESS_BODY,  /* the simulator's steps move its agents' bodies */
+    PROCESS_WATCH, /* the simulator's steps show it all bodies */
+    PROCESS_BRIEF, /* the thread that brings mail handles it (bus_wait_lending) */
+};
+
+/* A process and the simulator's steps. */
+enum process_steps {
+    PROCESS_FREE,     /* no simulator is known */
+    PROCESS_GREETED,  /* a simulator's first Sense has come, which is no step */
+    PROCESS_READY,    /* all that lock step needs has matched */
+    PROCESS_STEPPING, /* a step of a lock step has come */
+    PROCESS_LIVED,    /* its agents have lived through one */
+    PROCESS_DONE,     /* the simulator has ended the run */
+    PROCESS_STEPS
+};
+
+enum process_step_event {
+    STEP_GREETING, /* samples of the simulator */
+    STEP_LOCKSTEP,
+    STEP_FREE, /* a step without lock step */
+    STEP_LAST, /* the run is over */
+    STEP_OWN_EVENTS,
+    STEP_MATCHED = STEP_OWN_EVENTS, /* all that lock step needs has matched, */
+    STEP_UNMATCHED,                 /* and no longer */
+    STEP_LIVED,
+    STEP_OVER, /* the run is over, or its simulator is gone: the next one may come */
+    STEP_EVENTS
+};
+
+/* The Up that is being put together. */
+enum process_up {
+    UP_NONE,
+    UP_ANSWERING, /* the answer to a step is put together, and is about to go out */
+    UP_PENDING,   /* it goes out as soon as the network takes it */
+    UP_STATES
+};
+
+enum process_up_event {
+    UP_ANSWERS, /* the answer to a step is put together */
+    UP_GOES,    /* it may go out */
+    UP_WRITTEN, /* the network has taken it */
+    UP_DROPPED, /* it was for another broker */
+    UP_EVENTS
+};
+
 struct mu_process {
     struct bus bus;
     char name[MU_PROCESS_MAX + 1];  /* also its partition */
     char host[MU_FIELD_MAX + 1];    /* the machine's name */
     char platform[MU_NAME_MAX + 1]; /* the agent of kind host in it; "": it is no host */
-    bool with_body, watches;        /* one at most; either: the simulator's steps are wanted */
-    bool brief; /* neither of them: who brings mail handles it (bus_wait_lending) */
+    enum process_role role;
+    enum process_steps steps;
+    enum process_up up_state;
+    uint64_t refused; /* samples of a simulator that its state did not allow */
     struct link link;
     struct bus_writer registration;
     struct bus_writer up; /* closed while no broker is known */
@@ -125,23 +175,18 @@ struct mu_process {
     struct directory directory;
     uint64_t broker_incarnation; /* 0: none has answered yet */
     uint64_t heartbeat_ns;       /* when the last registrations went out */
-    bool greeted;                /* the simulator's first Sense has come, which is no step */
-    bool ready;                  /* all that lock step needs has matched */
-    bool in_lockstep;
-    bool lived_in_lockstep;      /* a step of it, at least */
     int64_t lockstep_step;       /* the newest one of this lock step, or of the last one */
     const muster_Sense *step;    /* a step that waits for its mail */
     void *step_kept;             /* its sample, for the reader when the next one comes */
     const muster_Delivery *mail; /* the first delivery of the inbox, in hand; NULL: none is */
     uint64_t step_wall_ns;       /* when the last step came */
     struct owed owed;            /* acknowledgements that wait for mail to go with */
-    bool leaving;                /* one of the agents is, or all are */
+    uint32_t leaving;            /* so many agents have begun to, and are to be seen out */
     uint64_t leaving_ns;         /* since when their last words are awaited; 0: they are not */
     uint64_t works_ns;           /* since when the handlers of one step, or one delivery, run */
     char
         busy[MU_FIELD_MAX + 1]; /* that they have run for long, and since when; "": they have not */
     uint64_t busy_since_wall_ns; /* the same; 0: they have not */
-    bool done;                   /* the simulator has ended the run */
     atomic_bool stopped;
     void (*round)(void *self); /* after each round of mu_process_run; NULL: nobody */
     void *round_self;
@@ -149,10 +194,7 @@ struct mu_process {
     void *before_up_self;
     bool (*sees)(const void *self, int64_t step); /* process_see_first; NULL: nothing is awaited */
     const void *sees_self;
-    bool answering; /* it is the answer to a step, which is put together already */
-    /* The Up that is being put together; pending: refused by the network, to be tried again. */
-    muster_Up out;
-    bool out_pending;
+    muster_Up out;                /* the Up that is being put together */
     struct mu_agent **out_agents; /* whose acts are in it */
     muster_Act *acts;             /* agents_max, or PROCESS_UP_MAILS if that is more */
     muster_Ack *acks;             /* acks_max */
@@ -171,8 +213,22 @@ static const uint64_t PROCESS_STEP_PATIENCE_NS = 300000000;
 /** @return whether the simulator's steps are for it */
 static inline bool process_takes_steps(const mu_process *p)
 {
-    return p->with_body || p->watches;
+    return p->role == PROCESS_BODY || p->role == PROCESS_WATCH;
 }
+
+/** @return whether a lock step is under way */
+static inline bool process_in_lockstep(const mu_process *p)
+{
+    return p->steps == PROCESS_STEPPING || p->steps == PROCESS_LIVED;
+}
+
+/* process_states.c */
+
+/** Applies an event.  @return false: the state refuses it; our own events abort then */
+bool process_step_on(mu_process *p, enum process_step_event event);
+
+/** Applies an event of our own. */
+void process_up_on(mu_process *p, enum process_up_event event);
 
 /** Takes all memory that a process needs for its agents; 0 stands for the usual number. */
 void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails);

@@ -28,7 +28,8 @@ mu_result mu_agent_resolve(mu_agent *a, const char *scheme, mu_resolve resolve, 
     }
     a->resolver = (struct resolver){.resolve = resolve, .self = self};
     mu_text_copy(a->resolver.scheme, sizeof a->resolver.scheme, scheme);
-    return a->registered ? scheme_advertise(a) : MU_OK; /* else the broker is told in its time */
+    return a->name_state == NAME_ACCEPTED ? scheme_advertise(a)
+                                          : MU_OK; /* else the broker is told in its time */
 }
 
 void resolver_offer(mu_agent *a)
@@ -38,7 +39,7 @@ void resolver_offer(mu_agent *a)
 
 void resolver_retry(mu_agent *a)
 {
-    if (a->resolver.due && !a->gone) {
+    if (a->resolver.due && a->state != MU_GONE) {
         resolver_offer(a);
     }
 }

@@ -41,15 +41,15 @@ static muster_State state_of(const struct mu_agent *a)
 {
     /* Who was refused says that it does not want the name any more: it may have asked once more
      * before it heard of that, and would be given what nobody takes. */
-    if (a->refused || a->follows) {
+    if (a->name_state == NAME_REFUSED || a->name_state == NAME_FOLLOWS) {
         return muster_STATE_ABSENT;
     }
-    return (muster_State)(a->leaving ? a->last_state : a->state);
+    return (muster_State)(life_is_leaving(a) ? a->last_state : a->state);
 }
 
 static muster_Entry entry_of(struct mu_agent *a)
 {
-    return (muster_Entry){.name = a->follows ? nothing : a->name,
+    return (muster_Entry){.name = a->name_state == NAME_FOLLOWS ? nothing : a->name,
                           .kind = (muster_Kind)a->kind,
                           .state = state_of(a),
                           .no_broadcasts = a->no_broadcasts,
@@ -62,7 +62,8 @@ static muster_Entry entry_of(struct mu_agent *a)
                           .host = nothing,
                           .since_wall_ns = a->since_wall_ns,
                           .epoch = a->epoch,
-                          .newcomer = !a->welcomed,
+                          .newcomer =
+                              a->name_state != NAME_ACCEPTED && a->name_state != NAME_ASKED_AGAIN,
                           .busy_since_wall_ns = a->process->busy_since_wall_ns,
                           .reason = a->reason[0] ? a->reason : a->process->busy};
 }
@@ -75,8 +76,8 @@ static muster_Registration part_of(mu_process *p, uint32_t part)
                              .incarnation = p->incarnation,
                              .host = p->platform,
                              .pid = (uint32_t)getpid(),
-                             .watches = p->watches,
-                             .ready = p->ready};
+                             .watches = p->role == PROCESS_WATCH,
+                             .ready = p->steps >= PROCESS_READY};
     uint32_t first = part * MU_PART_AGENTS;
     uint32_t count = p->agent_count - first;
     count = count < MU_PART_AGENTS ? count : MU_PART_AGENTS;
@@ -92,7 +93,7 @@ static void part_said(mu_process *p, uint32_t part)
 {
     uint32_t first = part * MU_PART_AGENTS;
     for (uint32_t i = first; i < p->agent_count && i < first + MU_PART_AGENTS; i++) {
-        p->agents[i].said = !p->agents[i].follows;
+        (void)life_name_on(&p->agents[i], NAME_WRITTEN);
     }
 }
 

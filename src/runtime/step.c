@@ -35,7 +35,7 @@ static bool number_take(struct mu_agent *a, uint64_t number)
  * left, and may begin behind a mail that came when nobody was there */
 static bool awaits_verdict(const struct mu_agent *a)
 {
-    return !a->registered && !a->in_order;
+    return a->name_state != NAME_ACCEPTED && !a->in_order;
 }
 
 /* @return whether a parcel is to be handed over; either way it has been taken */
@@ -43,10 +43,10 @@ static bool parcel_take(struct mu_agent *a, const muster_Parcel *parcel)
 {
     const muster_Mail *m = &parcel->letter;
     /* What was under way to an agent that has begun to move is for its next life. */
-    if (!a || a->gone || a->state == MU_MOVING || awaits_verdict(a)) {
+    if (!a || a->state == MU_GONE || a->state == MU_MOVING || awaits_verdict(a)) {
         return false;
     }
-    if (!a->refused) {
+    if (a->name_state != NAME_REFUSED) {
         queue_add(&a->process->queues[QUEUE_ACK], QUEUE_ACK, a);
     }
     bool had = parcel->number <= a->last_number;
@@ -115,7 +115,7 @@ static void parcels_hand(mu_process *p, const muster_Delivery *d, uint32_t count
         if (!p->fresh[i] || !a || (parcel->letter.layer == WIRE_DIRECTIVE) != directives) {
             continue;
         }
-        if (a->gone) {
+        if (a->state == MU_GONE) {
             parcel_give_back(a, d, parcel);
         } else if (directives) {
             agent_directive(a, parcel);
@@ -212,7 +212,7 @@ static void world_take(mu_process *p, const muster_Sense *sense)
     }
     for (uint32_t i = 0; i < p->agent_count; i++) {
         struct mu_agent *a = &p->agents[i];
-        if (!a->gone && a->handlers.on_world) {
+        if (a->state != MU_GONE && a->handlers.on_world) {
             a->handlers.on_world(a->handlers.self, a, p->bodies, count);
         }
     }
@@ -221,8 +221,8 @@ static void world_take(mu_process *p, const muster_Sense *sense)
 /* Robots without a body live through the step, too, in the order in which they came. */
 static bool takes_beat(const struct mu_agent *a)
 {
-    return a->kind == MU_KIND_ROBOT && !a->embodied && !a->gone && a->registered &&
-           a->handlers.on_beat;
+    return a->kind == MU_KIND_ROBOT && !a->embodied && a->state != MU_GONE &&
+           a->name_state == NAME_ACCEPTED && a->handlers.on_beat;
 }
 
 static void beats_take(mu_process *p)
@@ -255,7 +255,7 @@ static void percepts_set(mu_process *p, const muster_Sense *sense)
 
 static void percepts_take(mu_process *p, const muster_Sense *sense)
 {
-    if (p->watches) {
+    if (p->role == PROCESS_WATCH) {
         world_take(p, sense);
         return;
     }
@@ -278,7 +278,7 @@ static void agent_act(struct mu_agent *a)
 
 static void agents_act(mu_process *p, const muster_Sense *sense)
 {
-    for (uint32_t i = 0; i < sense->robots._length && !p->watches; i++) {
+    for (uint32_t i = 0; i < sense->robots._length && p->role != PROCESS_WATCH; i++) {
         struct mu_agent *a = agent_find(p, sense->robots._buffer[i].robot);
         if (a) {
             agent_act(a);
@@ -322,7 +322,7 @@ static uint32_t acks_fill(mu_process *p)
             queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a);
             continue;
         }
-        if (!a->registered) {
+        if (a->name_state != NAME_ACCEPTED) {
             continue; /* a broker that has not said yes does not know the box */
         }
         p->out_ackers[count] = a;
@@ -352,9 +352,9 @@ static muster_Act act_of(struct mu_agent *a, bool answer)
     bool runs = a->state == MU_RUNNING;
     return (muster_Act){.agent = a->name,
                         .state = (muster_State)a->state,
-                        .drives = runs ? a->drives : true, /* who does not run stands still */
-                        .forward_m_s = runs ? a->forward_m_s : 0.0,
-                        .turn_rad_s = runs ? a->turn_rad_s : 0.0,
+                        .drives = runs ? a->speed.set : true, /* who does not run stands still */
+                        .forward_m_s = runs ? a->speed.forward_m_s : 0.0,
+                        .turn_rad_s = runs ? a->speed.turn_rad_s : 0.0,
                         .paddles = runs ? (int32_t)a->paddles : 0,
                         .lift = runs ? (int32_t)a->lift : 0,
                         .senses = a->senses,
@@ -362,7 +362,7 @@ static muster_Act act_of(struct mu_agent *a, bool answer)
                         .rules = a->rules ? a->rules : none,
                         .first_seq = a->outbox.first_seq,
                         .goal = a->goal,
-                        .replays = a->replays,
+                        .replays = a->outbox.replays,
                         .diary = answer && a->note.at ? a->note.at : none};
 }
 
@@ -377,7 +377,7 @@ struct up_load {
 static void act_add(mu_process *p, struct mu_agent *a, struct up_load *load)
 {
     muster_Mail *from = &p->mails[load->mails];
-    bool may_send = a->registered && load->room > 0;
+    bool may_send = a->name_state == NAME_ACCEPTED && load->room > 0;
     uint32_t count = may_send ? outbox_unsent(&a->outbox, from, load->left) : 0;
     count = mails_bounded(from, count, &load->room);
     muster_Act *act = &p->acts[load->acts];
@@ -407,7 +407,7 @@ static bool up_fill(mu_process *p, int64_t step)
     load_begin(p, &load);
     for (uint32_t i = 0; step != muster_STEP_NOW && i < p->agent_count; i++) {
         load_begin(p, &load);
-        if (!p->agents[i].departed) { /* another process answers for it */
+        if (!life_is_elsewhere(&p->agents[i])) { /* another process answers for it */
             act_add(p, &p->agents[i], &load);
         }
     }
@@ -437,7 +437,7 @@ static void act_sent(struct mu_agent *a, uint32_t mails, bool answer)
     if (!outbox_has_unsent(&a->outbox)) {
         queue_remove(&a->process->queues[QUEUE_SEND], QUEUE_SEND, a);
     }
-    a->drives = false;
+    a->speed.set = false;
     if (answer) { /* the simulator takes orders from nothing else */
         a->paddles = MU_PADDLES_KEEP;
         a->lift = MU_LIFT_KEEP;
@@ -450,13 +450,13 @@ static void act_sent(struct mu_agent *a, uint32_t mails, bool answer)
 
 bool step_retry(mu_process *p)
 {
-    if (!p->out_pending) {
+    if (p->up_state != UP_PENDING) {
         return true;
     }
     if (bus_write(&p->up, &p->out) != MU_OK) {
         return false;
     }
-    p->out_pending = false;
+    process_up_on(p, UP_WRITTEN);
     for (uint32_t i = 0; i < p->out.acts._length; i++) {
         act_sent(p->out_agents[i], p->acts[i].mails._length, p->out.step != muster_STEP_NOW);
     }
@@ -485,10 +485,9 @@ static void up_announce(mu_process *p)
 static void step_answer(mu_process *p, const muster_Sense *sense)
 {
     (void)up_fill(p, sense->step);
-    p->answering = true;
+    process_up_on(p, UP_ANSWERS);
     up_announce(p);
-    p->answering = false;
-    p->out_pending = true;
+    process_up_on(p, UP_GOES);
     (void)step_retry(p);
 }
 
@@ -505,10 +504,10 @@ static void step_end(mu_process *p, const muster_Sense *sense)
 
 void step_live(mu_process *p, const muster_Sense *sense, const muster_Delivery *d)
 {
-    if (!p->lived_in_lockstep) {
+    if (p->steps != PROCESS_LIVED) {
         members_clear(&p->members); /* the first mail of a lock step has the whole pages */
         directory_clear(&p->directory, true);
-        p->lived_in_lockstep = true;
+        (void)process_step_on(p, STEP_LIVED);
     }
     step_take_delivery(p, d, sense);
     agents_act(p, sense);
@@ -530,7 +529,7 @@ void step_hello(mu_process *p)
 {
     if (step_retry(p)) {
         (void)up_fill(p, muster_STEP_NOW);
-        p->out_pending = true;
+        process_up_on(p, UP_GOES);
         (void)step_retry(p);
     }
 }
@@ -546,7 +545,7 @@ static void unanswered_again(mu_process *p)
         struct mu_agent *a = waits->first;
         queue_remove(waits, QUEUE_WAIT, a);
         outbox_again(&a->outbox);
-        if (a->registered) {
+        if (a->name_state == NAME_ACCEPTED) {
             queue_add(&p->queues[QUEUE_SEND], QUEUE_SEND, a);
         }
     }
@@ -557,7 +556,7 @@ static void unanswered_again(mu_process *p)
 static bool acks_are_due(const mu_process *p)
 {
     return p->queues[QUEUE_ACK].first &&
-           (p->leaving || p->bus.wakes || owed_due(&p->owed, mu_clock_ns()));
+           (p->leaving > 0 || p->bus.wakes || owed_due(&p->owed, mu_clock_ns()));
 }
 
 static bool is_anything_to_say(const mu_process *p)
@@ -571,7 +570,7 @@ void step_say_trips(mu_process *p)
     if (p->trips.count > 0 && step_retry(p)) {
         p->out = (muster_Up){.process = p->name, .step = muster_STEP_NOW};
         (void)trips_fill(p, &p->out);
-        p->out_pending = true;
+        process_up_on(p, UP_GOES);
         (void)step_retry(p);
     }
 }
@@ -588,6 +587,6 @@ void step_flush(mu_process *p)
     }
     while (step_retry(p) && is_anything_to_say(p) && bus_writer_matches(&p->up) > 0 &&
            up_fill(p, muster_STEP_NOW)) {
-        p->out_pending = true;
+        process_up_on(p, UP_GOES);
     }
 }

@@ -83,7 +83,7 @@ void trips_take(mu_process *p, const muster_Delivery *d)
 
 bool trips_awaits_step(const mu_process *p)
 {
-    return p->in_lockstep ||
+    return process_in_lockstep(p) ||
            (p->step_wall_ns && mu_clock_ns() - p->step_wall_ns < PROCESS_STEP_PATIENCE_NS);
 }
 
@@ -101,7 +101,8 @@ bool trips_fits_answer(const mu_agent *a)
 
 bool trips_all_sent(const mu_agent *a)
 {
-    return a->registered && !outbox_has_unsent(&a->outbox) && !a->process->out_pending;
+    return a->name_state == NAME_ACCEPTED && !outbox_has_unsent(&a->outbox) &&
+           a->process->up_state != UP_PENDING;
 }
 
 uint32_t trips_slot(const mu_agent *a)

@@ -75,7 +75,8 @@ static bool has_seen(const void *self, int64_t step)
 /* Agents that take part in steps act on what they have seen of the run. */
 static void steps_hold(mu_watch *w, bool latest)
 {
-    if (w->process && w->process->watches && !w->process->ready && !latest) {
+    if (w->process && w->process->role == PROCESS_WATCH && w->process->steps < PROCESS_READY &&
+        !latest) {
         process_see_first(w->process, has_seen, w);
     }
 }
@@ -277,7 +278,7 @@ static void end_look(mu_watch *w)
 /* @return whether the simulator knows of this process, if its steps are to wait for it */
 static bool is_awaited(const mu_watch *w)
 {
-    return !w->process || !w->process->sees || w->process->greeted;
+    return !w->process || !w->process->sees || w->process->steps != PROCESS_FREE;
 }
 
 static mu_result spin(mu_watch *w, int64_t timeout_ns)

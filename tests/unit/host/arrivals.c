@@ -30,7 +30,7 @@ static struct mu_text text;
 static void host_begin_for(uint32_t places)
 {
     memset(&process, 0, sizeof process);
-    process.with_body = true;
+    process.role = PROCESS_BODY;
     process_take_memory(&process, places + 1, 0);
     host_set = (struct host_options){
         .robots = &robots_set, .agents = places, .bytes = MIGRATION_SNAPSHOT_MAX - 1};

@@ -25,7 +25,7 @@ static void life_begin(void)
 {
     const struct mu_handlers none = {.self = NULL};
     process = mu_startup_alloc(sizeof *process);
-    process->with_body = true;
+    process->role = PROCESS_BODY;
     process_take_memory(process, 2, 0);
     CU_ASSERT_EQUAL_FATAL(mu_agent_join(process, &red, "red", MU_KIND_ROBOT, 0, &none), MU_OK);
     red->state = MU_RUNNING;
@@ -67,9 +67,9 @@ static muster_Act *act_make(muster_Mail *mails)
     muster_Act *act = &process->acts[red - process->agents];
     uint32_t count = outbox_unsent(&red->outbox, mails, MAILS);
     *act = (muster_Act){.agent = red->name,
-                        .drives = red->drives,
-                        .forward_m_s = red->forward_m_s,
-                        .turn_rad_s = red->turn_rad_s,
+                        .drives = red->speed.set,
+                        .forward_m_s = red->speed.forward_m_s,
+                        .turn_rad_s = red->speed.turn_rad_s,
                         .paddles = (int32_t)red->paddles,
                         .lift = (int32_t)red->lift,
                         .firings = red->firings,
@@ -82,9 +82,9 @@ static muster_Act *act_make(muster_Mail *mails)
 static void write_down(void)
 {
     (void)act_make(before);
-    process->answering = true;
+    process->up_state = UP_ANSWERING;
     answer_add(&text, red);
-    process->answering = false;
+    process->up_state = UP_NONE;
     CU_ASSERT_FALSE(text.cut);
 }
 
@@ -165,7 +165,7 @@ static void on_act_say(void *self, mu_agent *a, const struct mu_percept *percept
 
 static void before_up(void *self)
 {
-    CU_ASSERT_FALSE(process->out_pending);
+    CU_ASSERT_NOT_EQUAL(process->up_state, UP_PENDING);
     answer_add(self, red);
 }
 
@@ -178,16 +178,17 @@ static void test_a_step_is_kept_before_it_goes_out(void)
     sense.robots._buffer = &percept;
     sense.robots._length = 1;
     red->handlers.on_act = on_act_say;
-    red->registered = true;
+    red->name_state = NAME_ACCEPTED;
     process_before_up(process, before_up, &text);
     capture_begin();
+    (void)process_step_on(process, STEP_LOCKSTEP);
     step_live(process, &sense, &delivery);
     capture_end();
     const char *at = text.at;
     CU_ASSERT_TRUE_FATAL(answer_read(&at, &kept));
     CU_ASSERT_EQUAL(kept.mails, MAILS);
     CU_ASSERT(kept.drives && kept.forward_m_s == 0.5);
-    CU_ASSERT_FALSE(process->answering);
+    CU_ASSERT_NOT_EQUAL(process->up_state, UP_ANSWERING);
 }
 
 static void test_who_did_nothing(void)
@@ -198,7 +199,7 @@ static void test_who_did_nothing(void)
     CU_ASSERT_STRING_EQUAL(at, "");
     life_begin();
     CU_ASSERT_TRUE(answer_repeat(red, &kept));
-    CU_ASSERT_FALSE(red->drives);
+    CU_ASSERT_FALSE(red->speed.set);
     CU_ASSERT_FALSE(outbox_has_unsent(&red->outbox));
 }
 

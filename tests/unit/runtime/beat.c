@@ -40,7 +40,7 @@ static struct mu_agent *join(const char *name, enum mu_kind kind)
         .on_step = on_step, .on_beat = on_beat, .on_act = on_act};
     mu_agent *a = NULL;
     CU_ASSERT_EQUAL_FATAL(mu_agent_join(&process, &a, name, kind, 0, &handlers), MU_OK);
-    a->registered = true;
+    a->name_state = NAME_ACCEPTED;
     a->state = MU_RUNNING;
     return a;
 }
@@ -48,7 +48,7 @@ static struct mu_agent *join(const char *name, enum mu_kind kind)
 static void set_up(void)
 {
     memset(&process, 0, sizeof process);
-    process.with_body = true;
+    process.role = PROCESS_BODY;
     process_take_memory(&process, 3, 0);
     mu_text_init(&heard, heard_buffer, sizeof heard_buffer);
     percepts[0] = (muster_Percept){.robot = words("red"), .x_m = 1.5};
@@ -61,9 +61,10 @@ static const muster_Up *live(void)
 {
     static const muster_Delivery nothing;
     capture_begin();
+    (void)process_step_on(&process, STEP_LOCKSTEP);
     step_live(&process, &sense, &nothing);
     capture_end();
-    process.out_pending = false;
+    process.up_state = UP_NONE;
     return &process.out;
 }
 
@@ -84,7 +85,7 @@ static void test_who_has_no_body_has_a_beat(void)
     expect("red sees 1.5; ruby beat 7; red acts; ");
     sense.robots._length = 0; /* red has lost its body */
     expect("ruby beat 7; red beat 7; red acts; ");
-    ruby->registered = false; /* it has not got its name */
+    ruby->name_state = NAME_ASKED; /* it has not got its name */
     expect("red beat 7; red acts; ");
     mu_agent_set_state(ruby, MU_GONE);
     expect("red beat 7; red acts; ");

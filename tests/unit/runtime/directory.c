@@ -110,7 +110,7 @@ static void answer(const char *src, const char *performative, const char *in_rep
 {
     static uint64_t number;
     number = red->last_number + 1;
-    red->registered = true;
+    red->name_state = NAME_ACCEPTED;
     muster_Parcel p = {.box = words("red"),
                        .number = number,
                        .letter = {.src = words(src),
@@ -251,6 +251,7 @@ static void test_a_lock_step_begins_with_new_pages(void)
     member("scouts", "blue", true);
     HEARD("red: +mapper@blue[]; ");
     capture_begin(); /* the answer finds no network */
+    (void)process_step_on(&process, STEP_LOCKSTEP);
     step_live(&process, &sense, &d);
     capture_end();
     HEARD("");

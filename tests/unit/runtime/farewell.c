@@ -84,6 +84,7 @@ static void test_a_receipt_of_an_earlier_life(void)
     d.receipts._buffer = &r;
     d.receipts._length = 1;
     step_take_delivery(&process, &d, NULL);
+    CU_ASSERT_TRUE(life_name_on(red, NAME_FREE));
     accept_red(3);
     CU_ASSERT_EQUAL_FATAL(outbox_unsent(&red->outbox, mails, 4), 2);
     CU_ASSERT_EQUAL(mails[0].seq, 4);
@@ -119,6 +120,7 @@ static void test_last_words_are_in_the_answer_to_a_step(void)
     muster_Sense sense = {.process = words("p1"), .step = 7, .lockstep = true};
     next_name = "red";
     capture_begin();
+    (void)process_step_on(&process, STEP_LOCKSTEP);
     step_live(&process, &sense, &d);
     capture_end();
     next_name = "next";
@@ -132,7 +134,7 @@ static void test_last_words_are_in_the_answer_to_a_step(void)
 static void test_who_is_refused_owes_nothing(void)
 {
     struct mu_agent *red = begin(0);
-    red->said = true;
+    red->name_state = NAME_ASKED;
     red->handlers.on_mail = NULL;
     accept_red(0);
     take_mail(1);

@@ -33,7 +33,7 @@ static mu_agent *agent_join(const char *name)
     static const struct mu_handlers none;
     mu_agent *a;
     CU_ASSERT_EQUAL_FATAL(mu_agent_join(&process, &a, name, MU_KIND_AGENT, 0, &none), MU_OK);
-    a->registered = true;
+    a->name_state = NAME_ACCEPTED;
     glances_hear(a, on_end, &ended);
     return a;
 }
@@ -144,7 +144,7 @@ static void test_limit_questions(void)
     (void)ask(blue);
     CU_ASSERT_EQUAL(glances_ask(blue, "green", "(assert (a))", &number), MU_REFUSED);
     CU_ASSERT_EQUAL(glances_ask(blue, "no name", "(facts)", &number), MU_REFUSED);
-    blue->registered = false;
+    blue->name_state = NAME_ASKED;
     CU_ASSERT_EQUAL(glances_ask(blue, "green", "(facts)", &number), MU_FULL);
 }
 

@@ -66,7 +66,7 @@ static void begin(void)
     inbox_init(&process.inbox);
     mu_text_copy(process.link.broker, sizeof process.link.broker, "main");
     process.link.incarnation = LIFE;
-    process.in_lockstep = false;
+    process.steps = PROCESS_FREE;
     process.glances.due_count = 0;
     mu_text_init(&heard, heard_buffer, sizeof heard_buffer);
     if (process.agent_count == 0) {
@@ -74,7 +74,7 @@ static void begin(void)
         join("blue");
     }
     for (uint32_t i = 0; i < process.agent_count; i++) {
-        process.agents[i].registered = true;
+        process.agents[i].name_state = NAME_ACCEPTED;
         process.agents[i].accepted_serial = 0;
     }
 }
@@ -314,7 +314,7 @@ static void test_any_order_is_mended(void)
 static void test_the_mail_of_a_step_waits_too(void)
 {
     seat_take();
-    process.in_lockstep = true;
+    process.steps = PROCESS_LIVED;
     muster_Delivery d = delivery(SEAT, 3);
     d.step = 11;
     mail_write(d, 3);
@@ -447,7 +447,7 @@ static void test_a_broker_that_is_back_begins_a_new_count(void)
     CU_ASSERT_EQUAL(process.inbox.count, 0); /* what waited was of the earlier life */
     circular(2, 2);
     READS(take(), "");
-    process.agents[0].registered = true; /* there, too */
+    process.agents[0].name_state = NAME_ACCEPTED; /* there, too */
     struct boxes to = {0};
     box_add(&to, SEAT, 2, 0, 2);
     circular_write("main", LIFE + 1, &to, 1);

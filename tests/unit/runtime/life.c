@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "runtime/life.h"
+#include "capture.h"
+#include "runtime/process.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>
+#include <signal.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 enum { STATES = MU_GONE + 1 };
 
@@ -24,6 +28,111 @@ static void test_the_whole_state_machine(void)
                             next[state][event]);
         }
     }
+}
+
+/* Applies an event, a number, to a machine in a state, another.  @return its state then; -1: the
+ * event was refused, and counted */
+typedef int apply(int state, int event);
+
+static mu_process process;
+
+static int apply_name(int state, int event)
+{
+    mu_agent a = {.process = &process, .name_state = (enum life_name)state};
+    bool allowed = life_name_on(&a, (enum life_name_event)event);
+    CU_ASSERT_EQUAL(a.refused, !allowed);
+    CU_ASSERT(allowed || a.name_state == (enum life_name)state);
+    return allowed ? (int)a.name_state : -1;
+}
+
+static int apply_exit(int state, int event)
+{
+    mu_agent a = {.process = &process, .exit = (enum life_exit)state};
+    process.leaving = 0;
+    life_exit_on(&a, (enum life_exit_event)event);
+    CU_ASSERT_EQUAL(process.leaving, state == EXIT_PRESENT);
+    return (int)a.exit;
+}
+
+static int apply_step(int state, int event)
+{
+    process.steps = (enum process_steps)state;
+    process.refused = 0;
+    bool allowed = process_step_on(&process, (enum process_step_event)event);
+    CU_ASSERT_EQUAL(process.refused, !allowed);
+    CU_ASSERT(allowed || process.steps == (enum process_steps)state);
+    return allowed ? (int)process.steps : -1;
+}
+
+static int apply_up(int state, int event)
+{
+    process.up_state = (enum process_up)state;
+    process_up_on(&process, (enum process_up_event)event);
+    return (int)process.up_state;
+}
+
+/* @return whether the event ends a program */
+static bool aborts(apply *on, int state, int event)
+{
+    int status = 0;
+    capture_begin();
+    pid_t child = fork();
+    if (child == 0) {
+        (void)on(state, event);
+        _exit(0);
+    }
+    CU_ASSERT_EQUAL(waitpid(child, &status, 0), child);
+    capture_end();
+    return WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT;
+}
+
+/* letters: one for each state, in their order.  A row for each state has that of the next one for
+ * each event; '.' is a refusal.  Events of a peer stand before '|', our own behind it. */
+static void walk(apply *on, const char *letters, const char *const rows[])
+{
+    for (int state = 0; letters[state]; state++) {
+        int own = (int)strcspn(rows[state], "|");
+        CU_ASSERT_EQUAL(rows[state][own], '|');
+        for (int event = 0; event < (int)strlen(rows[state]) - 1; event++) {
+            char wanted = rows[state][event < own ? event : event + 1];
+            if (wanted == '.' && event >= own) {
+                CU_ASSERT_TRUE(aborts(on, state, event));
+            } else {
+                int next = wanted == '.' ? -1 : (int)(strchr(letters, wanted) - letters);
+                CU_ASSERT_EQUAL(on(state, event), next);
+            }
+        }
+    }
+}
+
+static void test_the_name_of_an_agent(void)
+{
+    static const char *const rows[NAME_STATES] = {"A.|SU.", "..|FUU", "AR|SS.",
+                                                  "AR|AN.", "AR|NN.", "AR|RR."};
+    CU_ASSERT(NAME_OWN_EVENTS == 2 && NAME_EVENTS == 5);
+    walk(apply_name, "UFSANR", rows);
+}
+
+static void test_how_an_agent_leaves(void)
+{
+    static const char *const rows[EXIT_STATES] = {"|WM.", "|.ML", "|MMD", "|.D.", "|.D."};
+    CU_ASSERT_EQUAL(EXIT_EVENTS, 3);
+    walk(apply_exit, "PWMDL", rows);
+}
+
+static void test_a_process_in_steps(void)
+{
+    static const char *const rows[PROCESS_STEPS] = {"GSFD|...F", "GSGD|R..F", "RSRD|.G.F",
+                                                    "SSGD|..LF", "LLGD|...F", "....|...."};
+    CU_ASSERT(STEP_OWN_EVENTS == 4 && STEP_EVENTS == 8);
+    walk(apply_step, "FGRSLD", rows);
+}
+
+static void test_what_a_process_is_about_to_say(void)
+{
+    static const char *const rows[UP_STATES] = {"|AP.N", "|.P..", "|..NN"};
+    CU_ASSERT_EQUAL(UP_EVENTS, 4);
+    walk(apply_up, "NAP", rows);
 }
 
 static void test_no_state_is_left_out_of_life(void)
@@ -85,6 +194,10 @@ int main(void)
 {
     CU_TestInfo tests[] = {
         {"every event in every state", test_the_whole_state_machine},
+        {"the name of an agent", test_the_name_of_an_agent},
+        {"how an agent leaves", test_how_an_agent_leaves},
+        {"a process in steps", test_a_process_in_steps},
+        {"what a process is about to say", test_what_a_process_is_about_to_say},
         {"no state is left out", test_no_state_is_left_out_of_life},
         {"directives name events", test_directives_name_events},
         {"words for kinds, states, outcomes", test_words},

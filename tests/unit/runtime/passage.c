@@ -55,7 +55,7 @@ static const struct mu_agent_kind kind = {
 static void process_begin(mu_process *p, const char *name)
 {
     memset(p, 0, sizeof *p);
-    p->with_body = true;
+    p->role = PROCESS_BODY;
     process_take_memory(p, 2, 8);
     mu_text_copy(p->name, sizeof p->name, name);
 }
@@ -188,11 +188,11 @@ static void test_when_it_is_settled(void)
     CU_ASSERT_FALSE(mu_agent_is_settled(red)); /* not acknowledged */
     red->acked_number = red->last_number;
     queue_remove(&here.queues[QUEUE_ACK], QUEUE_ACK, red);
-    here.out_pending = true;
+    here.up_state = UP_PENDING;
     CU_ASSERT_FALSE(mu_agent_is_settled(red)); /* the network has not taken the last Up */
-    here.out_pending = false;
+    here.up_state = UP_NONE;
     CU_ASSERT_TRUE(mu_agent_is_settled(red));
-    red->registered = false;
+    red->name_state = NAME_ASKED;
     CU_ASSERT_FALSE(mu_agent_is_settled(red));
 }
 
@@ -209,6 +209,7 @@ static void test_who_leaves_is_not_disposed_of(void)
     CU_ASSERT_PTR_NULL(here.queues[QUEUE_ACK].first);
     CU_ASSERT_EQUAL(mu_agent_join(&here, &again, "red", MU_KIND_ROBOT, 0, &handlers), MU_OK);
     mu_agent_be(again, &kind);
+    CU_ASSERT_TRUE(life_name_on(again, NAME_FREE));
     accept(&here, BROKER);
     mu_agent_set_state(again, MU_GONE);
     CU_ASSERT_EQUAL(disposals, 1);
@@ -221,7 +222,7 @@ static const muster_Act *act_of_step(void)
     capture_begin();
     step_live_freely(&here, &sense);
     capture_end();
-    here.out_pending = false;
+    here.up_state = UP_NONE;
     CU_ASSERT_EQUAL_FATAL(here.out.acts._length, 1);
     return &here.out.acts._buffer[0];
 }

@@ -735,11 +735,11 @@ static void test_mail_of_an_earlier_lock_step_is_dropped(void)
 
 static void test_who_watches_serves_the_next_run(void)
 {
-    body.process->watches = true;
+    body.process->role = PROCESS_WATCH;
     sense(&body, 26, true, true);
-    SPIN_UNTIL(&body, !body.process->in_lockstep);
+    SPIN_UNTIL(&body, !process_in_lockstep(body.process));
     CU_ASSERT_EQUAL(mu_process_spin(body.process, 0), MU_OK);
-    body.process->watches = false;
+    body.process->role = PROCESS_BODY;
 }
 
 static void test_the_end_of_the_run(void)

@@ -45,7 +45,7 @@ static void on_step(void *self, mu_agent *a, const struct mu_percept *percept)
 static void set_up(void)
 {
     memset(&process, 0, sizeof process);
-    process.watches = true;
+    process.role = PROCESS_WATCH;
     process_take_memory(&process, 0, 0);
     mails_read = 0;
     name_added = "green";
@@ -223,20 +223,22 @@ static void test_who_watches_sees_all_bodies(void)
     sense.robots._length = 2;
     muster_Delivery nothing = {.process = words("p1"), .step = 6};
     capture_begin();
+    (void)process_step_on(&process, STEP_LOCKSTEP);
     step_live(&process, &sense, &nothing);
     capture_end();
     CU_ASSERT_STRING_EQUAL(heard.at, "red at 1.5 -2; rita at 9 0; ");
-    CU_ASSERT_TRUE(process.out_pending);
+    CU_ASSERT_EQUAL(process.up_state, UP_PENDING);
     CU_ASSERT_EQUAL(process.out.step, 7);
     CU_ASSERT_EQUAL(process.out.acts._length, 1);
     for (uint32_t i = 0; i <= MU_ROBOTS_MAX; i++) {
         percepts[i] = (muster_Percept){.robot = words("r")};
     }
-    process.out_pending = false;
+    process.up_state = UP_NONE;
     sense.robots._length = MU_ROBOTS_MAX + 1; /* more than a world has: the rest is not seen */
     static char many[32 * (MU_ROBOTS_MAX + 1)];
     mu_text_init(&heard, many, sizeof many);
     capture_begin();
+    (void)process_step_on(&process, STEP_LOCKSTEP);
     step_live(&process, &sense, &nothing);
     capture_end();
     CU_ASSERT_EQUAL(heard.len, MU_ROBOTS_MAX * strlen("r at 0 0; "));

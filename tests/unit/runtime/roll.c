@@ -121,7 +121,7 @@ static void test_who_was_refused_says_that_it_is_not_there(void)
     muster_Verdict no = {.agent = words("a0"), .broker_incarnation = 5, .reason = words("held")};
     muster_Delivery d = delivery(&no, false);
     forget();
-    agent_find(&process, "a0")->said = true;
+    agent_find(&process, "a0")->name_state = NAME_ASKED;
     step_take_delivery(&process, &d, NULL);
     CU_ASSERT(process.roll.due_count == 1 && process.roll.due[0]);
     write_in_vain();
@@ -168,7 +168,7 @@ static void test_a_verdict_of_another_life(void)
     a0->handlers.on_registered = on_registered;
     heard = 0;
     step_take_delivery(&process, &d, NULL);
-    CU_ASSERT(!a0->refused && heard == 0);
+    CU_ASSERT(a0->name_state == NAME_UNSAID && heard == 0);
     mu_agent_leave(a0);
     accept(5);
     CU_ASSERT_EQUAL(heard, 0);

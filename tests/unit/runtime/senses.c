@@ -44,7 +44,7 @@ static struct mu_agent *join(enum mu_kind kind)
 static void set_up(void)
 {
     memset(&process, 0, sizeof process);
-    process.with_body = true;
+    process.role = PROCESS_BODY;
     process_take_memory(&process, 1, 2);
     percept = (muster_Percept){.robot = words("red"), .battery_share = -1};
     sense = (muster_Sense){.process = words("p1"), .step = 7};
@@ -57,10 +57,11 @@ static const muster_Act *answer(void)
 {
     static const muster_Delivery nothing;
     capture_begin();
+    (void)process_step_on(&process, STEP_LOCKSTEP);
     step_live(&process, &sense, &nothing);
     capture_end();
     CU_ASSERT_EQUAL_FATAL(process.out.acts._length, 1);
-    process.out_pending = false;
+    process.up_state = UP_NONE;
     return process.out.acts._buffer;
 }
 

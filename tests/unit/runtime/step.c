@@ -92,7 +92,7 @@ static void set_up(void)
     memset(&process, 0, sizeof process);
     memset(&delivery, 0, sizeof delivery);
     memset(&sense, 0, sizeof sense);
-    process.with_body = true;
+    process.role = PROCESS_BODY;
     process_take_memory(&process, 0, 0);
     mu_text_copy(process.name, sizeof process.name, "p1");
     mu_text_init(&heard, heard_buffer, sizeof heard_buffer);
@@ -112,7 +112,7 @@ static void parcel(const char *box, uint64_t number, const char *performative, c
 {
     struct mu_agent *a = agent_find(&process, box);
     if (a) {
-        a->registered = true;
+        a->name_state = NAME_ACCEPTED;
     }
     muster_Mail mail = letter("blue", number, box, content);
     mail.layer = performative[0] ? WIRE_DIRECTIVE : MU_LAYER_SPEECH;
@@ -152,11 +152,12 @@ static const muster_Up *answer(const muster_Delivery *d)
 {
     capture_begin();
     static const muster_Delivery nothing; /* of a step without mail */
+    (void)process_step_on(&process, STEP_LOCKSTEP);
     step_live(&process, &sense, d ? d : &nothing);
     capture_end();
-    CU_ASSERT_TRUE(process.out_pending);
+    CU_ASSERT_EQUAL(process.up_state, UP_PENDING);
     CU_ASSERT_EQUAL_FATAL(process.out.acts._length, process.agent_count);
-    process.out_pending = false;
+    process.up_state = UP_NONE;
     return &process.out;
 }
 
@@ -173,9 +174,9 @@ static void test_duplicates_are_dropped_and_acknowledged_again(void)
 {
     struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
     expect_numbers(1, 3, "red#1 x; red#2 x; red#3 x; ");
-    red->registered = false;
+    red->name_state = NAME_ASKED;
     CU_ASSERT_EQUAL(answer(NULL)->acks._length, 0); /* not to a broker that has not said yes */
-    red->registered = true;
+    red->name_state = NAME_ACCEPTED;
     const muster_Up *up = answer(NULL);
     CU_ASSERT_EQUAL_FATAL(up->acks._length, 1);
     CU_ASSERT_STRING_EQUAL(up->acks._buffer[0].box, "red");
@@ -230,8 +231,8 @@ static void test_an_agent_that_keeps_a_record_goes_on(void)
 
 static void test_boxes_are_counted_apart(void)
 {
-    join("red", MU_KIND_AGENT, 0)->registered = true;
-    join("blue", MU_KIND_AGENT, 0)->registered = true;
+    join("red", MU_KIND_AGENT, 0)->name_state = NAME_ACCEPTED;
+    join("blue", MU_KIND_AGENT, 0)->name_state = NAME_ACCEPTED;
     parcel("red", 1, "", "a");
     parcel("blue", 1, "", "b");
     parcel("stranger", 1, "", "c");
@@ -246,7 +247,7 @@ static void test_who_has_left_takes_nothing(void)
     struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
     parcel("red", 1, "dispose", "");
     expect("red is absent; ");
-    CU_ASSERT_TRUE(red->gone);
+    CU_ASSERT_EQUAL(mu_agent_state(red), MU_GONE);
     expect_numbers(2, 3, "");
     CU_ASSERT_EQUAL(red->last_number, 1);
 }
@@ -292,7 +293,7 @@ static void test_a_directive_without_a_handler(void)
 {
     struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
     red->handlers.on_directive = NULL;
-    red->registered = true;
+    red->name_state = NAME_ACCEPTED;
     parcel("red", 1, "do", "(wander)");
     expect("");
     CU_ASSERT_EQUAL(answer(NULL)->acts._buffer[0].mails._length, 0);
@@ -368,13 +369,12 @@ static void test_a_verdict_is_news_once(void)
     verdict_deliver(verdict("red", 5, 0), "red welcome; ");
     verdict_deliver(verdict("red", 5, 0), "");
     verdict_deliver(verdict("stranger", 5, 0), "");
-    CU_ASSERT_TRUE(red->registered);
-    red->said = true;
+    CU_ASSERT_EQUAL(red->name_state, NAME_ACCEPTED);
     verdict_deliver(no, "red no: held; ");
     verdict_deliver(no, "");
-    CU_ASSERT(!red->registered && red->refused);
+    CU_ASSERT_EQUAL(red->name_state, NAME_REFUSED);
     verdict_deliver(verdict("red", 5, 0), "red welcome; ");
-    CU_ASSERT(red->registered && !red->refused);
+    CU_ASSERT_EQUAL(red->name_state, NAME_ACCEPTED);
     CU_ASSERT_EQUAL(process.broker_incarnation, 5);
 }
 
@@ -572,7 +572,7 @@ static void test_who_does_not_run_stands_still(void)
         CU_ASSERT_DOUBLE_EQUAL(act->turn_rad_s, runs ? -0.25 : 0.0, 0);
         CU_ASSERT_EQUAL(act->state, (muster_State)states[i]);
     }
-    red->drives = false;
+    red->speed.set = false;
     CU_ASSERT_FALSE(answer(NULL)->acts._buffer[0].drives);
 }
 
@@ -585,8 +585,8 @@ static void test_a_speed_is_a_number(void)
         CU_ASSERT_EQUAL(mu_agent_drive(red, bad[i], 0.0), MU_REFUSED);
         CU_ASSERT_EQUAL(mu_agent_drive(red, 0.0, bad[i]), MU_REFUSED);
     }
-    CU_ASSERT_DOUBLE_EQUAL(red->forward_m_s, 0.5, 0);
-    CU_ASSERT_DOUBLE_EQUAL(red->turn_rad_s, 0.25, 0);
+    CU_ASSERT_DOUBLE_EQUAL(red->speed.forward_m_s, 0.5, 0);
+    CU_ASSERT_DOUBLE_EQUAL(red->speed.turn_rad_s, 0.25, 0);
 }
 
 static void test_rules_that_fired_are_told(void)
@@ -619,7 +619,7 @@ static void test_mail_waits_for_the_verdict(void)
     struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
     CU_ASSERT_EQUAL(mu_agent_broadcast(red, "hello"), MU_OK);
     CU_ASSERT_EQUAL(answer(NULL)->acts._buffer[0].mails._length, 0);
-    red->registered = true;
+    red->name_state = NAME_ACCEPTED;
     const muster_Act *act = answer(NULL)->acts._buffer;
     CU_ASSERT_EQUAL_FATAL(act->mails._length, 1);
     CU_ASSERT_STRING_EQUAL(act->mails._buffer[0].src, "red");
@@ -633,7 +633,7 @@ static void test_limit_mails_in_one_answer(void)
 {
     struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
     struct mu_agent *blue = join("blue", MU_KIND_AGENT, 0);
-    red->registered = blue->registered = true;
+    red->name_state = blue->name_state = NAME_ACCEPTED;
     for (int i = 0; i < PROCESS_UP_MAILS + 1; i++) {
         CU_ASSERT_EQUAL(mu_agent_broadcast(red, ""), MU_OK);
     }
@@ -650,7 +650,7 @@ static void test_limit_bytes_in_one_answer(void)
     static char content[MU_CONTENT_MAX + 1];
     struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
     struct mu_agent *blue = join("blue", MU_KIND_AGENT, 0);
-    red->registered = blue->registered = true;
+    red->name_state = blue->name_state = NAME_ACCEPTED;
     memset(content, 'c', MU_CONTENT_MAX);
     for (int i = 0; i < 6; i++) {
         CU_ASSERT_EQUAL(mu_agent_broadcast(red, content), MU_OK);
@@ -691,7 +691,7 @@ static void test_limit_agents(void)
     CU_ASSERT_PTR_EQUAL(more, &process.agents[5]);
     CU_ASSERT_PTR_EQUAL(agent_find(&process, "more"), more);
     CU_ASSERT_PTR_NULL(agent_find(&process, "a5"));
-    CU_ASSERT(!more->gone && !outbox_has_unsent(&more->outbox));
+    CU_ASSERT(more->exit == EXIT_PRESENT && !outbox_has_unsent(&more->outbox));
     CU_ASSERT_EQUAL(mu_agent_join(&process, &a, "a5", MU_KIND_AGENT, 0, &handlers), MU_FULL);
 }
 
@@ -708,10 +708,10 @@ static void test_an_up_has_those_who_speak(void)
     capture_begin();
     step_hello(&process);
     capture_end();
-    CU_ASSERT_TRUE(process.out_pending);
+    CU_ASSERT_EQUAL(process.up_state, UP_PENDING);
     CU_ASSERT_EQUAL_FATAL(process.out.acts._length, 1);
     CU_ASSERT_STRING_EQUAL(process.out.acts._buffer[0].agent, "blue");
-    process.out_pending = false;
+    process.up_state = UP_NONE;
     verdict_deliver(verdict("green", 5, 0), "green welcome; ");
     capture_begin();
     step_hello(&process);

@@ -131,7 +131,7 @@ static void begin(void)
     shine(5);
     CU_ASSERT_TRUE_FATAL(spin_until_it_follows(5));
     answer(5);
-    while (!red->registered) {
+    while (red->name_state != NAME_ACCEPTED) {
         CU_ASSERT_EQUAL_FATAL(mu_process_spin(process, 10000000), MU_OK);
     }
 }
@@ -149,10 +149,11 @@ static void test_a_late_heartbeat_of_the_earlier_life(void)
     shine(10);
     CU_ASSERT_TRUE(spin_until_it_follows(10));
     uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
-    while (!red->registered && process->incarnation == asked && mu_clock_ns() < until_ns) {
+    while (red->name_state != NAME_ACCEPTED && process->incarnation == asked &&
+           mu_clock_ns() < until_ns) {
         CU_ASSERT_EQUAL(mu_process_spin(process, 10000000), MU_OK);
     }
-    CU_ASSERT_TRUE(red->registered || process->incarnation > asked);
+    CU_ASSERT_TRUE(red->name_state == NAME_ACCEPTED || process->incarnation > asked);
     mu_process_close(process);
 }
 
@@ -280,12 +281,12 @@ static void test_between_two_lock_steps(void)
     deliver_in_step(29, 1);
     CU_ASSERT_TRUE(spin_until_it_lived(30));
     deliver_in_step(30, 2);
-    process->watches = true; /* or it would end with the run */
+    process->role = PROCESS_WATCH; /* or it would end with the run */
     sense_as(31, true);
-    while (process->in_lockstep) {
+    while (process_in_lockstep(process)) {
         spin(1);
     }
-    process->watches = false;
+    process->role = PROCESS_BODY;
     CU_ASSERT_TRUE(spin_until_it_took(2));
     deliver_in_step(muster_STEP_NOW, 3);
     CU_ASSERT_TRUE(spin_until_it_took(3));
