@@ -34,27 +34,77 @@ struct mu_watch {
     struct mu_watch_handlers handlers;
     struct watch_room *room;
     char simulator[MU_PROCESS_MAX + 1]; /* whose Scene was the last */
-    bool has_scene;
+    enum watch_phase phase;
     bool announced;   /* whoever waits for it knows that it sees a run */
-    bool met;         /* a simulator was there since the last end */
-    uint64_t met_ns;  /* since when */
+    uint64_t met_ns;  /* since when a simulator is here */
     int64_t step;     /* of the last Frame; STEPS_NONE */
     uint64_t time_ns; /* simulated, of that Frame */
     uint64_t missed;
-    bool more; /* Frames lie there that were left for the next spin */
-    bool over; /* the run is; the rest comes yet */
+    int64_t wait_ns; /* of the next spin; 0: Frames were left for that */
     uint64_t over_ns;
     enum mu_run_end end;
     int64_t last_step; /* of a run that is over */
     uint64_t last_time_ns, duration_ns;
     char hash[MU_FIELD_MAX + 2];
     char reason[MU_ATTRIBUTES_MAX + 1];
-    bool ended; /* in this call */
-    bool told;  /* the end of the run whose status still stands */
     volatile sig_atomic_t stopped;
     pid_t pid;  /* that opened it */
     bool spins; /* in mu_watch_spin, and so in handlers */
 };
+
+/* --- phases ----------------------------------------------------------------------------------- */
+
+/* The letters of the table; X: that may not be. */
+enum {
+    X = 255,
+    A = WATCH_AWAY,
+    M = WATCH_MET,
+    S = WATCH_SEEN,
+    o = WATCH_OVER_AWAY,
+    O = WATCH_OVER_MET,
+    E = WATCH_OVER_SEEN,
+    t = WATCH_TOLD_AWAY,
+    T = WATCH_TOLD_MET
+};
+
+/* clang-format off */
+static const unsigned char next_phase[WATCH_PHASES][WATCH_EVENTS] = {
+    /*                   meets scene goes on ends leaves tells */
+    [WATCH_AWAY]      = {M,    S,    A,      o,   A,     X},
+    [WATCH_MET]       = {M,    S,    M,      O,   X,     t},
+    [WATCH_SEEN]      = {S,    S,    S,      E,   X,     t},
+    [WATCH_OVER_AWAY] = {O,    S,    o,      o,   o,     X},
+    [WATCH_OVER_MET]  = {O,    S,    O,      O,   X,     t},
+    [WATCH_OVER_SEEN] = {E,    S,    E,      E,   X,     t},
+    [WATCH_TOLD_AWAY] = {T,    S,    A,      t,   t,     X},
+    [WATCH_TOLD_MET]  = {T,    S,    M,      T,   t,     X},
+};
+/* clang-format on */
+
+void watch_phase_on(enum watch_phase *phase, enum watch_event event)
+{
+    unsigned next = next_phase[*phase][event];
+    MU_ASSERT(next != X);
+    *phase = (enum watch_phase)next;
+}
+
+static bool has_scene(const mu_watch *w)
+{
+    return w->phase == WATCH_SEEN || w->phase == WATCH_OVER_SEEN;
+}
+
+static bool is_over(const mu_watch *w)
+{
+    return w->phase >= WATCH_OVER_AWAY && w->phase <= WATCH_OVER_SEEN;
+}
+
+/* @return whether the program is to hear of an end */
+static bool end_is_due(const mu_watch *w)
+{
+    return next_phase[w->phase][WATCH_TELLS] != X;
+}
+
+/* --- opening ---------------------------------------------------------------------------------- */
 
 /* A simulator hears of them in this order: who has its Scene is sent its Frames. */
 static mu_result readers_open(mu_watch *w, bool latest)
@@ -69,7 +119,7 @@ static mu_result readers_open(mu_watch *w, bool latest)
 static bool has_seen(const void *self, int64_t step)
 {
     const mu_watch *w = self;
-    return step == STEPS_NONE ? w->has_scene : w->step >= step;
+    return step == STEPS_NONE ? has_scene(w) : w->step >= step;
 }
 
 /* Agents that take part in steps act on what they have seen of the run. */
@@ -83,7 +133,6 @@ static void steps_hold(mu_watch *w, bool latest)
 
 static void run_forget(mu_watch *w)
 {
-    w->met = w->over = w->has_scene = false;
     w->step = STEPS_NONE;
     w->time_ns = w->missed = 0;
     w->simulator[0] = w->hash[0] = w->reason[0] = '\0';
@@ -109,6 +158,7 @@ mu_result mu_watch_open(mu_watch **out, mu_process *p, const struct mu_watch_opt
     w->bus = p ? &p->bus : &w->own;
     w->handlers = options->handlers;
     w->room = watch_room_take();
+    w->wait_ns = ROUND_NS;
     run_forget(w);
     if (!p) {
         struct bus_options bus = {.domain = options->domain,
@@ -132,16 +182,15 @@ mu_result mu_watch_open(mu_watch **out, mu_process *p, const struct mu_watch_opt
 
 static void simulator_met(mu_watch *w)
 {
-    w->met_ns = w->met ? w->met_ns : mu_clock_ns();
-    w->met = true;
+    enum watch_phase was = w->phase;
+    watch_phase_on(&w->phase, WATCH_MEETS);
+    w->met_ns = w->phase != was ? mu_clock_ns() : w->met_ns;
 }
 
 static void scene_take(mu_watch *w, const muster_Scene *s)
 {
     run_forget(w);
-    simulator_met(w);
-    w->has_scene = true;
-    w->told = false;
+    watch_phase_on(&w->phase, WATCH_SCENE);
     mu_text_copy(w->simulator, sizeof w->simulator, s->simulator);
     const struct mu_scene *scene = watch_scene(w->room, s);
     if (w->handlers.on_scene) {
@@ -168,11 +217,11 @@ static void frame_take(mu_watch *w, const muster_Frame *f)
 static void status_take(mu_watch *w, const muster_RunStatus *s)
 {
     bool over = s->state == muster_RUN_DONE || s->state == muster_RUN_FAULT;
-    if (!over || w->over || w->told) {
-        w->told = w->told && over;
+    enum watch_phase was = w->phase;
+    watch_phase_on(&w->phase, over ? WATCH_ENDS : WATCH_GOES_ON);
+    if (!over || w->phase == was) {
         return;
     }
-    w->over = true;
     w->over_ns = mu_clock_ns();
     w->end = s->state == muster_RUN_DONE ? MU_RUN_DONE : MU_RUN_FAULT;
     w->last_step = s->step;
@@ -226,7 +275,7 @@ static void frames_look(mu_watch *w, uint64_t most_ns)
     const muster_Frame *f = NULL;
     uint64_t began_ns = mu_clock_ns();
     bool patient = began_ns - w->met_ns < SCENE_PATIENCE_NS;
-    if (!w->has_scene && patient) {
+    if (!has_scene(w) && patient) {
         return;
     }
     do {
@@ -235,19 +284,19 @@ static void frames_look(mu_watch *w, uint64_t most_ns)
             frame_take(w, f);
         }
     } while (f && mu_clock_ns() - began_ns < most_ns);
-    w->more = f != NULL;
+    w->wait_ns = f ? 0 : ROUND_NS;
 }
 
 static void end_tell(mu_watch *w)
 {
-    struct mu_run_result result = {.end = w->over ? w->end : MU_RUN_LOST,
-                                   .step = w->over ? w->last_step : w->step,
-                                   .time_ns = w->over ? w->last_time_ns : w->time_ns,
-                                   .duration_ns = w->over ? w->duration_ns : 0,
-                                   .hash = w->over ? w->hash : "none",
-                                   .reason = w->over ? w->reason : "the simulator has gone"};
-    w->told = true;
-    w->ended = true;
+    bool over = is_over(w);
+    struct mu_run_result result = {.end = over ? w->end : MU_RUN_LOST,
+                                   .step = over ? w->last_step : w->step,
+                                   .time_ns = over ? w->last_time_ns : w->time_ns,
+                                   .duration_ns = over ? w->duration_ns : 0,
+                                   .hash = over ? w->hash : "none",
+                                   .reason = over ? w->reason : "the simulator has gone"};
+    watch_phase_on(&w->phase, WATCH_TELLS);
     if (w->handlers.on_end) {
         w->handlers.on_end(w->handlers.self, &result);
     }
@@ -260,19 +309,23 @@ static bool simulator_is_here(const mu_watch *w)
     return bus_reader_matches(&w->frames) > 0 || bus_reader_matches(&w->scenes) > 0;
 }
 
-static void end_look(mu_watch *w)
+/* @return whether the program was told of an end */
+static bool end_look(mu_watch *w)
 {
     bool here = simulator_is_here(w);
-    if (w->met && !here) {
+    if (!here && w->phase != WATCH_AWAY) {
         statuses_look(w); /* what it said last came while the Frames were looked at */
     }
-    bool whole = w->over && w->step >= w->last_step;
-    bool late = w->over && mu_clock_ns() - w->over_ns > END_PATIENCE_NS;
-    if (w->met && !w->told && (whole || late || !here)) {
+    bool whole = is_over(w) && w->step >= w->last_step;
+    bool late = is_over(w) && mu_clock_ns() - w->over_ns > END_PATIENCE_NS;
+    bool tells = end_is_due(w) && (whole || late || !here);
+    if (tells) {
         frames_look(w, UINT64_MAX);
         end_tell(w);
+    } else if (!here) {
+        watch_phase_on(&w->phase, WATCH_LEAVES);
     }
-    w->met = w->met && here;
+    return tells;
 }
 
 /* @return whether the simulator knows of this process, if its steps are to wait for it */
@@ -283,9 +336,7 @@ static bool is_awaited(const mu_watch *w)
 
 static mu_result spin(mu_watch *w, int64_t timeout_ns)
 {
-    int64_t most_ns = timeout_ns < ROUND_NS ? timeout_ns : ROUND_NS;
-    most_ns = w->more ? 0 : most_ns;
-    w->ended = false;
+    int64_t most_ns = timeout_ns < w->wait_ns ? timeout_ns : w->wait_ns;
     if (w->process) {
         MU_TRY(mu_process_spin(w->process, most_ns));
     } else {
@@ -295,7 +346,7 @@ static mu_result spin(mu_watch *w, int64_t timeout_ns)
         simulator_met(w);
     }
     scenes_look(w); /* before how its run goes */
-    if (w->has_scene && !w->announced && is_awaited(w)) {
+    if (has_scene(w) && !w->announced && is_awaited(w)) {
         ready_tell(w);
     }
     statuses_look(w);
@@ -305,8 +356,7 @@ static mu_result spin(mu_watch *w, int64_t timeout_ns)
         process_turn(w->process); /* a step may have waited for what was seen just now */
         w->process->spins = false;
     }
-    end_look(w);
-    return w->ended ? MU_DONE : MU_OK;
+    return end_look(w) ? MU_DONE : MU_OK;
 }
 
 mu_result mu_watch_spin(mu_watch *w, int64_t timeout_ns)

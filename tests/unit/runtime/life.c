@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "capture.h"
 #include "runtime/process.h"
+#include "runtime/watch.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>
@@ -71,6 +72,13 @@ static int apply_up(int state, int event)
     return (int)process.up_state;
 }
 
+static int apply_watch(int state, int event)
+{
+    enum watch_phase phase = (enum watch_phase)state;
+    watch_phase_on(&phase, (enum watch_event)event);
+    return (int)phase;
+}
+
 /* @return whether the event ends a program */
 static bool aborts(apply *on, int state, int event)
 {
@@ -133,6 +141,14 @@ static void test_what_a_process_is_about_to_say(void)
     static const char *const rows[UP_STATES] = {"|AP.N", "|.P..", "|..NN"};
     CU_ASSERT_EQUAL(UP_EVENTS, 4);
     walk(apply_up, "NAP", rows);
+}
+
+static void test_a_run_that_is_watched(void)
+{
+    static const char *const rows[WATCH_PHASES] = {"MSAoA|.", "MSMO|.t", "SSSE|.t", "OSooo|.",
+                                                   "OSOO|.t", "ESEE|.t", "TSAtt|.", "TSMTt|."};
+    CU_ASSERT_EQUAL(WATCH_EVENTS, 6);
+    walk(apply_watch, "AMSoOEtT", rows);
 }
 
 static void test_no_state_is_left_out_of_life(void)
@@ -198,6 +214,7 @@ int main(void)
         {"how an agent leaves", test_how_an_agent_leaves},
         {"a process in steps", test_a_process_in_steps},
         {"what a process is about to say", test_what_a_process_is_about_to_say},
+        {"a run that is watched", test_a_run_that_is_watched},
         {"no state is left out", test_no_state_is_left_out_of_life},
         {"directives name events", test_directives_name_events},
         {"words for kinds, states, outcomes", test_words},
