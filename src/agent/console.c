@@ -179,7 +179,7 @@ bool console_answer(struct robot *r, const struct mu_mail *asked,
 }
 
 /* Neither a waiting percept nor a watching console notices the probe. */
-enum glance_end console_look(void *self, const char *line, const char **text)
+enum probe_end console_look(void *self, const char *line, const char **text)
 {
     struct robot *r = self;
     struct mu_text *listing = &r->group->listing;
@@ -188,9 +188,9 @@ enum glance_end console_look(void *self, const char *line, const char **text)
     listing_end(listing);
     *text = listing->at;
     if (looked == MU_ABSENT) {
-        return GLANCE_DECLINED;
+        return PROBE_DECLINED;
     }
-    return looked == MU_OK ? GLANCE_DONE : GLANCE_FAILED;
+    return looked == MU_OK ? PROBE_DONE : PROBE_FAILED;
 }
 
 static mu_result words_list(struct mind *m, const char *line, struct mu_text *out)

@@ -16,7 +16,7 @@ static struct mu_handlers handlers_of(struct robot *r)
 static void robot_begin(struct robot *r)
 {
     mu_agent_be(r->agent, r->group->program->kind);
-    glances_answer(r->agent, console_look);
+    probes_answer(r->agent, console_look);
     returns_hear(r->agent, r->group->program->on_return);
     percept_ask(r->agent, r->mind);
 }

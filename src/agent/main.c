@@ -6,7 +6,7 @@
 #include "core/paths.h"
 #include "runtime/join.h"
 #include "runtime/process.h"
-#include "runtime/trips.h"
+#include "runtime/transfers.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -62,7 +62,7 @@ static void group_save(void *self)
     checkpoint_round(self);
 }
 
-static void on_trip(void *self, const muster_Trip *word)
+static void on_word(void *self, const muster_Trip *word)
 {
     migration_hear(self, word);
 }
@@ -115,9 +115,9 @@ int main(int argc, char **argv)
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }
-    struct trips listener = {
-        .self = g, .on_trip = on_trip, .on_step_end = on_step_end, .on_answered = on_answered};
-    trips_listen(g->process, &listener);
+    struct transfers listener = {
+        .self = g, .on_word = on_word, .on_step_end = on_step_end, .on_answered = on_answered};
+    transfers_listen(g->process, &listener);
     mu_process_each_round(g->process, group_round, g);
     process_before_up(g->process, group_save, g);
     robot_mind_watch();

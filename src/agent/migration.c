@@ -5,7 +5,7 @@
 #include "core/pieces.h"
 #include "muster/memory.h"
 #include "runtime/kind.h"
-#include "runtime/trips.h"
+#include "runtime/transfers.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -46,7 +46,7 @@ static void under_way_tell(struct group_process *g)
     for (uint32_t i = 0; i < g->migrations_max; i++) {
         any = any || g->migrations[i].state >= MIGRATION_KEPT;
     }
-    trips_set_under_way(g->process, any);
+    transfers_set_under_way(g->process, any);
 }
 
 /* --- the envoy ----------------------------------------------------------------------------------
@@ -196,7 +196,7 @@ static mu_result snapshot_deposit(struct migration *m)
                         .epoch = moves ? m->passage.epoch : 0,
                         .host = m->host,
                         .text = m->text.at};
-    return trips_say(r->group->process, &word);
+    return transfers_say(r->group->process, &word);
 }
 
 /* In lock step the target host answers for an agent that has arrived. */
@@ -241,7 +241,7 @@ static const char *copy_write(struct migration *m, struct mu_fault *fault)
 /* One answer to a step carries a few large snapshots; the rest go with the next. */
 static void deposit(struct migration *m, const char *objection)
 {
-    size_t waiting = trips_bytes(m->robot->group->process);
+    size_t waiting = transfers_bytes(m->robot->group->process);
     if (!objection && waiting > 0 && waiting + m->text.len > MIGRATION_ANSWER_MAX) {
         return;
     }
@@ -259,7 +259,7 @@ static void depart(struct migration *m)
         enter(m, MIGRATION_TAKES_LEAVE);
         kind_event(m->robot->agent, MU_ON_LEAVE);
     }
-    if (!trips_fits_answer(m->robot->agent)) {
+    if (!transfers_fits_answer(m->robot->agent)) {
         return; /* its last words need one more step */
     }
     deposit(m, departure_write(m, &fault));
@@ -273,7 +273,7 @@ static void set_out(struct migration *m)
     } else if (m->purpose == MIGRATION_CLONE) {
         struct mu_fault fault;
         deposit(m, copy_write(m, &fault));
-    } else if (m->state == MIGRATION_LAST_WORDS || trips_fits_answer(m->robot->agent)) {
+    } else if (m->state == MIGRATION_LAST_WORDS || transfers_fits_answer(m->robot->agent)) {
         depart(m);
     }
 }
@@ -316,12 +316,12 @@ void migration_step_answered(struct group_process *g)
 static void depart_now(struct migration *m)
 {
     struct group_process *g = m->robot->group;
-    if (trips_awaits_step(g->process)) {
+    if (transfers_awaits_step(g->process)) {
         return;
     }
     if (mu_clock_ns() > m->until_ns) {
         migration_fail(m, MIGRATION_FAILS, "broker-silent");
-    } else if (trips_all_sent(m->robot->agent)) {
+    } else if (transfers_all_sent(m->robot->agent)) {
         set_out(m);
         migration_step_answered(g);
     }

@@ -15,7 +15,7 @@
 #include "agent/states/states.h"
 #include "mind/mind.h"
 #include "muster/muster.h"
-#include "runtime/glances.h"
+#include "runtime/probes.h"
 
 enum {
     ROBOT_ANSWER_MAX = MU_CONTENT_MAX / 2,
@@ -223,8 +223,8 @@ void console_end(struct robot *r);
 bool console_answer(struct robot *r, const struct mu_mail *asked,
                     mu_result (*ask)(struct mind *m, const char *line, struct mu_text *out));
 
-/** Answers a read-only line between two steps: for glances_answer. */
-enum glance_end console_look(void *self, const char *line, const char **text);
+/** Answers a read-only line between two steps: for probes_answer. */
+enum probe_end console_look(void *self, const char *line, const char **text);
 
 /** Answers with the words of mind_words. */
 void console_words(struct robot *r, const struct mu_mail *asked);

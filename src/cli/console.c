@@ -357,7 +357,7 @@ static void on_receipt(void *self, uint64_t first_seq, uint64_t last_seq, enum m
     console_link_receipt(&((struct console *)self)->link, first_seq, last_seq, outcome);
 }
 
-static void on_glance(void *self, uint64_t number, enum glance_end end, const char *text)
+static void on_glance(void *self, uint64_t number, enum probe_end end, const char *text)
 {
     console_link_glance(&((struct console *)self)->link, number, end, text);
 }
@@ -378,7 +378,7 @@ static int console_join(struct console *c, const char *agent)
                 m ? "absent" : "no such agent");
         return MU_EXIT_NO_AGENT;
     }
-    glances_hear(c->op.agent, on_glance, c);
+    probes_hear(c->op.agent, on_glance, c);
     console_link_init(&c->link, c->op.process, c->op.agent, agent);
     return MU_EXIT_DONE;
 }

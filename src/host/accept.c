@@ -3,7 +3,7 @@
 #include "core/log.h"
 #include "core/text.h"
 #include "host/host.h"
-#include "runtime/trips.h"
+#include "runtime/transfers.h"
 
 #include <fnmatch.h>
 #include <stdio.h>
@@ -156,7 +156,7 @@ bool host_deposit(struct host *h, struct arrival *a, char why[MU_FAULT_TEXT_MAX 
                         .state = (muster_State)p.state,
                         .host = host,
                         .text = a->text.at};
-    if (!wrong && trips_say(h->group.process, &word) != MU_OK) {
+    if (!wrong && transfers_say(h->group.process, &word) != MU_OK) {
         wrong = "busy";
     }
     (void)mu_text_copy(why, MU_FAULT_TEXT_MAX + 1, wrong ? wrong : "");

@@ -4,7 +4,7 @@
 #include "core/log.h"
 #include "core/text.h"
 #include "muster/memory.h"
-#include "runtime/trips.h"
+#include "runtime/transfers.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -18,7 +18,7 @@ static void word_say(struct host *h, const muster_Trip *to, muster_TripWord word
     (void)mu_text_copy(cut, sizeof cut, reason);
     muster_Trip out = {
         .word = word, .agent = to->agent, .epoch = to->epoch, .slot = slot, .reason = cut};
-    if (trips_say(h->group.process, &out) != MU_OK) {
+    if (transfers_say(h->group.process, &out) != MU_OK) {
         mu_log(MU_LOG_WARNING, "answer-lost", "name=%s", to->agent);
     }
 }
@@ -51,7 +51,7 @@ static void arrival_hear(struct host *h, const muster_Trip *word)
     if (!r) {
         mu_log(MU_LOG_WARNING, "arrival-refused", "name=%s: %s", word->agent, why);
     }
-    word_say(h, word, r ? muster_TRIP_READY : muster_TRIP_REFUSED, r ? trips_slot(r->agent) : 0,
+    word_say(h, word, r ? muster_TRIP_READY : muster_TRIP_REFUSED, r ? transfers_slot(r->agent) : 0,
              r ? "" : why);
 }
 

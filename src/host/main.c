@@ -8,7 +8,7 @@
 #include "host/host.h"
 #include "runtime/join.h"
 #include "runtime/process.h"
-#include "runtime/trips.h"
+#include "runtime/transfers.h"
 
 #include <stdio.h>
 
@@ -39,7 +39,7 @@ static void orphans_ask(struct host *h)
     uint64_t now_ns = mu_clock_ns();
     (void)mu_text_copy(name, sizeof name, h->group.host);
     if (h->set->robots->checkpoints.restore && now_ns - h->asked_ns > ASK_NS &&
-        trips_say(h->group.process, &wanted) == MU_OK) {
+        transfers_say(h->group.process, &wanted) == MU_OK) {
         h->asked_ns = now_ns;
     }
 }
@@ -82,12 +82,12 @@ int main(int argc, char **argv)
     if (ready != MU_OK) {
         return mu_exit_for(ready);
     }
-    struct trips listener = {.prompt = true,
-                             .self = h,
-                             .on_trip = host_hear,
-                             .on_step_end = step_end,
-                             .on_answered = step_answered};
-    trips_listen(h->group.process, &listener);
+    struct transfers listener = {.prompt = true,
+                                 .self = h,
+                                 .on_word = host_hear,
+                                 .on_step_end = step_end,
+                                 .on_answered = step_answered};
+    transfers_listen(h->group.process, &listener);
     if (set->robots->checkpoints.restore && set->robots->checkpoints.folder) {
         mu_log(MU_LOG_INFO, "restored", "agents=%u", host_restore(h));
     }

@@ -75,7 +75,7 @@ static bool may_look(const struct console_link *l)
 
 static bool look_send(struct console_link *l, struct console_pending *p, const char *line)
 {
-    bool sent = may_look(l) && glances_ask(l->asker, l->agent, line, &p->glance) == MU_OK;
+    bool sent = may_look(l) && probes_ask(l->asker, l->agent, line, &p->glance) == MU_OK;
     return sent && mu_text_copy(p->look, sizeof p->look, line);
 }
 
@@ -194,7 +194,7 @@ static void glance_declined(struct console_link *l, const struct console_pending
     tell_end(l, &again, false);
 }
 
-void console_link_glance(struct console_link *l, uint64_t number, enum glance_end end,
+void console_link_glance(struct console_link *l, uint64_t number, enum probe_end end,
                          const char *text)
 {
     struct console_pending *p = l->agent ? glance_find(l, number) : NULL;
@@ -202,11 +202,11 @@ void console_link_glance(struct console_link *l, uint64_t number, enum glance_en
         return; /* given up, or another link's */
     }
     l->heard_ns = mu_clock_ns();
-    if (end == GLANCE_DECLINED) {
+    if (end == PROBE_DECLINED) {
         glance_declined(l, p);
         return;
     }
-    bool fails = end == GLANCE_FAILED;
+    bool fails = end == PROBE_FAILED;
     p = pending_meet(l, p->number);
     show(l, fails ? CONSOLE_FAILURE : CONSOLE_ANSWER, p->number, text);
     l->failures += fails;

@@ -382,7 +382,7 @@ struct look {
     const char *agent;
 };
 
-static void on_glance(void *self, uint64_t number, enum glance_end end, const char *text)
+static void on_glance(void *self, uint64_t number, enum probe_end end, const char *text)
 {
     const struct look *look = self;
     if (number != look->o->glance) {
@@ -390,8 +390,8 @@ static void on_glance(void *self, uint64_t number, enum glance_end end, const ch
     }
     look->o->glance = 0;
     look->o->looked = end;
-    if (end != GLANCE_DECLINED) {
-        look_print(look->o, look->agent, end == GLANCE_DONE, text);
+    if (end != PROBE_DECLINED) {
+        look_print(look->o, look->agent, end == PROBE_DONE, text);
     }
 }
 
@@ -399,21 +399,21 @@ int operator_look(struct operator* o, const char *agent, const char *line, doubl
 {
     struct look look = {o, agent};
     uint64_t until_ns = mu_clock_ns() + (uint64_t)(wait_s * 1e9);
-    glances_hear(o->agent, on_glance, &look);
-    if (glances_ask(o->agent, agent, line, &o->glance) != MU_OK) {
+    probes_hear(o->agent, on_glance, &look);
+    if (probes_ask(o->agent, agent, line, &o->glance) != MU_OK) {
         return -1;
     }
     while (o->glance && mu_clock_ns() <= until_ns &&
            mu_process_spin(o->process, ROUND_NS) == MU_OK) {
     }
-    glances_hear(o->agent, NULL, NULL);
+    probes_hear(o->agent, NULL, NULL);
     if (o->glance) {
         fprintf(stderr, "muster: 0 of 1 answers within %g s\n", wait_s);
         (void)busy_tell(o, agent);
         return MU_EXIT_TIME;
     }
-    if (o->looked == GLANCE_DECLINED) {
+    if (o->looked == PROBE_DECLINED) {
         return -1;
     }
-    return o->looked == GLANCE_DONE ? MU_EXIT_DONE : MU_EXIT_UNDELIVERED;
+    return o->looked == PROBE_DONE ? MU_EXIT_DONE : MU_EXIT_UNDELIVERED;
 }

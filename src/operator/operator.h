@@ -14,7 +14,7 @@
 #include "muster/directory.h"
 #include "muster/limits.h"
 #include "muster/result.h"
-#include "runtime/glances.h"
+#include "runtime/probes.h"
 #include "wire.h"
 
 #include <stdbool.h>
@@ -173,8 +173,8 @@ void console_link_init(struct console_link *l, mu_process *process, mu_agent *as
 /** Takes a mail to the asker; one that is not for this link is passed over. */
 void console_link_mail(struct console_link *l, const struct mu_mail *mail);
 
-/** Takes what became of a glance of the asker, this link's or not: as glances_hear. */
-void console_link_glance(struct console_link *l, uint64_t number, enum glance_end end,
+/** Takes what became of a glance of the asker, this link's or not: as probes_hear. */
+void console_link_glance(struct console_link *l, uint64_t number, enum probe_end end,
                          const char *text);
 
 /** Takes what became of mails of the asker, this link's or not. */
@@ -424,7 +424,7 @@ struct operator
     const char *reply_with;  /* that answers refer to; NULL: none are wanted */
     char reply_with_own[32];
     uint64_t glance;        /* number of the question that was asked; 0: none waits */
-    enum glance_end looked; /* what came of it */
+    enum probe_end looked; /* what came of it */
     const struct operator_hooks *hooks;
     /* Takes an answer instead of its being printed; may be NULL. */
     void (*on_answer)(void *self, const struct mu_mail *mail);

@@ -12,7 +12,7 @@
 #include "muster/agent.h"
 #include "report/report.h"
 #include "run/supervise.h"
-#include "runtime/glances.h"
+#include "runtime/probes.h"
 #include "wire.h"
 #include "world/model/world.h"
 
@@ -254,8 +254,8 @@ void run_observer_directive(struct run *r, const struct mu_mail *mail);
 /** @return whether a mail to the observer was an answer to such a line */
 bool run_observer_take(struct run *r, const struct mu_mail *mail);
 
-/** Takes what came of a glance of the observer's: for glances_hear.  @param self  the run */
-void run_observer_glance(void *self, uint64_t number, enum glance_end end, const char *text);
+/** Takes what came of a glance of the observer's: for probes_hear.  @param self  the run */
+void run_observer_glance(void *self, uint64_t number, enum probe_end end, const char *text);
 
 /** @return how many of the mails first_seq to last_seq are of such lines */
 uint64_t run_observer_receipt(struct run *r, uint64_t first_seq, uint64_t last_seq,

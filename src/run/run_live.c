@@ -196,7 +196,7 @@ static mu_result network_join(struct run *r)
     run_observer_open(r);
     MU_TRY(mu_agent_join(r->process, &r->observer, "observer", MU_KIND_SPECIAL, 0, &handlers));
     mu_agent_decline_broadcasts(r->observer);
-    glances_hear(r->observer, run_observer_glance, r);
+    probes_hear(r->observer, run_observer_glance, r);
     return MU_OK;
 }
 

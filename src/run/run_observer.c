@@ -212,7 +212,7 @@ static bool target_look(struct run *r, const struct order *o, struct target *t, 
     if (t->declined || strcmp(o->what.performative, "do") != 0) {
         return false;
     }
-    mu_result asked = glances_ask(r->observer, t->name, o->what.content, &t->glance);
+    mu_result asked = probes_ask(r->observer, t->name, o->what.content, &t->glance);
     bool waits = asked == MU_FULL && mu_clock_ns() - o->since_ns < GLANCE_PATIENCE_NS;
     *room = !waits;
     return asked == MU_OK || waits;
@@ -357,24 +357,24 @@ bool run_observer_take(struct run *r, const struct mu_mail *mail)
     return true;
 }
 
-static void glance_end(struct run *r, struct order *o, struct target *t, enum glance_end end,
+static void probe_end(struct run *r, struct order *o, struct target *t, enum probe_end end,
                        const char *text)
 {
     t->glance = 0;
     t->declined = true;
-    if (end != GLANCE_DECLINED) {
-        target_answer(r, o, t, end == GLANCE_DONE, text);
+    if (end != PROBE_DECLINED) {
+        target_answer(r, o, t, end == PROBE_DONE, text);
     }
 }
 
-void run_observer_glance(void *self, uint64_t number, enum glance_end end, const char *text)
+void run_observer_glance(void *self, uint64_t number, enum probe_end end, const char *text)
 {
     struct run *r = self;
     for (size_t i = 0; i < ORDERS_MAX; i++) {
         struct order *o = &r->console->orders[i];
         for (size_t k = 0; o->used && k < o->targets_count; k++) {
             if (o->targets[k].glance == number) {
-                glance_end(r, o, &o->targets[k], end, text);
+                probe_end(r, o, &o->targets[k], end, text);
                 return;
             }
         }

@@ -126,8 +126,8 @@ mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu
     }
     outbox_init(&a->outbox, p->outbox_mails, p->outbox_slots + (size_t)index * p->outbox_mails,
                 p->outbox_text + index * outbox_text_bytes(p->outbox_mails), a->since_wall_ns);
-    a->taken = &p->taken[index];
-    taken_clear(a->taken);
+    a->dedup = &p->dedup[index];
+    dedup_clear(a->dedup);
     roll_mark(a);
     *out = a;
     return MU_OK;

@@ -21,9 +21,9 @@ void mu_agent_leave(mu_agent *a)
 /* What went out and has no answer may be lost, or may have reached its receiver. */
 static void meet_other_broker(struct mu_agent *a, uint64_t incarnation)
 {
-    taken_leave(a->taken, a->broker_incarnation, a->last_number);
-    a->last_number = taken_last_number(a->taken, incarnation);
-    a->acked_number = 0; /* what was owed when it left there was never said */
+    dedup_leave(a->dedup, a->broker_incarnation, a->last_number);
+    a->last_number = dedup_last_number(a->dedup, incarnation);
+    a->acked_number = 0; /* acknowledgements that waited there never went out */
     a->in_order = false; /* its boxes count from anywhere */
     outbox_to_other(&a->outbox);
     a->earlier_end = a->outbox.next_seq;
@@ -86,10 +86,10 @@ void agent_verdict(struct mu_agent *a, const muster_Verdict *v)
     kind_follow(a);
 }
 
-static struct mu_mail mail_of(const muster_Parcel *parcel)
+static struct mu_mail mail_of(const muster_Parcel *item)
 {
-    struct mu_mail mail = letter_of(&parcel->letter);
-    mail.number = parcel->number;
+    struct mu_mail mail = letter_of(&item->letter);
+    mail.number = item->number;
     return mail;
 }
 
@@ -140,9 +140,9 @@ static void directive_live(struct mu_agent *a, enum life_event event, const stru
     }
 }
 
-void agent_directive(struct mu_agent *a, const muster_Parcel *parcel)
+void agent_directive(struct mu_agent *a, const muster_Parcel *item)
 {
-    struct mu_mail mail = mail_of(parcel);
+    struct mu_mail mail = mail_of(item);
     enum life_event event;
     if (life_event_named(mail.performative, &event) == MU_OK) {
         directive_live(a, event, &mail);
@@ -153,10 +153,10 @@ void agent_directive(struct mu_agent *a, const muster_Parcel *parcel)
     }
 }
 
-void agent_mail(struct mu_agent *a, const muster_Parcel *parcel)
+void agent_mail(struct mu_agent *a, const muster_Parcel *item)
 {
-    if (!directory_take_answer(a, &parcel->letter)) {
-        struct mu_mail mail = mail_of(parcel);
+    if (!directory_take_answer(a, &item->letter)) {
+        struct mu_mail mail = mail_of(item);
         kind_mail(a, &mail);
     }
 }
@@ -187,7 +187,7 @@ void mu_agent_set_state(mu_agent *a, enum mu_state state)
     if (state == MU_GONE) {
         life_exit_on(a, EXIT_GOES);
         directory_forget(&a->process->directory, a);
-        glances_forget(a);
+        probes_forget(a);
     } else {
         roll_mark(a);
     }

@@ -103,7 +103,7 @@ mu_result mu_agent_withdraw(mu_agent *a, const char *service)
     return change_send(a, "withdraw", service, service);
 }
 
-/* @return a place for one more standing query, or NULL: all are taken */
+/* @return a place for one more standing query, or NULL: none is free */
 static struct directory_watch *watch_place(struct directory *d)
 {
     uint32_t i = 0;

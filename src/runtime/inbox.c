@@ -13,14 +13,14 @@ void inbox_init(struct inbox *box)
     }
 }
 
-/* --- circulars -------------------------------------------------------------------------------- */
+/* --- multicasts ------------------------------------------------------------------------------- */
 
-static bool is_circular(const muster_Delivery *d)
+static bool is_multicast(const muster_Delivery *d)
 {
     return d->seats._length > 0;
 }
 
-/* @return the first box of this process in a circular, or its length: there is none */
+/* @return the first box of this process in a multicast, or its length: there is none */
 static uint32_t first_box(const struct inbox *box, const muster_Delivery *d)
 {
     uint32_t low = 0, high = d->seats._length;
@@ -35,8 +35,9 @@ static uint32_t first_box(const struct inbox *box, const muster_Delivery *d)
     return low < d->seats._length && d->seats._buffer[low] == box->seat ? low : d->seats._length;
 }
 
-/* The broker writes to a seat what that has acknowledged to have: who knows of none is not meant.
- * @return whether it is a circular that is for this process, too */
+/* The broker writes to a seat that the process has acknowledged: a process without one is not
+ * meant.
+ * @return whether it is a multicast that is for this process, too */
 static bool names_us(const mu_process *p, const muster_Delivery *d)
 {
     const struct inbox *box = &p->inbox;
@@ -44,28 +45,28 @@ static bool names_us(const mu_process *p, const muster_Delivery *d)
            strcmp(d->broker, p->link.broker) == 0 && first_box(box, d) < d->seats._length;
 }
 
-/* Who has had a later seat has been told anew what was told an earlier one.
+/* A process with a later seat has been told anew what an earlier seat was told.
  * @return whether it is for this process, as it is now */
 static bool is_for_us(const mu_process *p, const muster_Delivery *d)
 {
     const struct inbox *box = &p->inbox;
-    if (is_circular(d)) {
+    if (is_multicast(d)) {
         return names_us(p, d);
     }
     bool counts = d->serial > 0 && d->broker_incarnation == box->incarnation;
     return !counts || d->seat >= box->seat;
 }
 
-/* @return who has a slot, and had it when the circular of that serial was written; NULL: nobody.
- * The slot of one that has left is given away again. */
+/* @return the agent of a slot, if it had that when the multicast of that serial was written; else
+ * NULL.  The slot of an agent that has left is given to another. */
 static struct mu_agent *tenant_find(const mu_process *p, uint32_t slot, uint64_t serial)
 {
     struct mu_agent *a = slot < p->agent_count ? &p->agents[slot] : NULL;
     return a && a->name_state == NAME_ACCEPTED && serial > a->accepted_serial ? a : NULL;
 }
 
-/* @return it as a Delivery of parcels, whose letters stay where they are */
-static const muster_Delivery *circular_open(mu_process *p, const muster_Delivery *d)
+/* @return it as a Delivery of items, whose letters stay where they are */
+static const muster_Delivery *multicast_open(mu_process *p, const muster_Delivery *d)
 {
     struct inbox *box = &p->inbox;
     uint32_t count = 0;
@@ -78,32 +79,32 @@ static const muster_Delivery *circular_open(mu_process *p, const muster_Delivery
     for (uint32_t i = first; i < boxes && d->seats._buffer[i] == box->seat; i++) {
         struct mu_agent *a = tenant_find(p, d->slots._buffer[i], d->serials._buffer[i]);
         for (uint32_t k = 0; a && k < d->letters._length; k++) {
-            box->parcels[count++] = (muster_Parcel){.box = a->name,
-                                                    .number = d->numbers._buffer[i] + k,
-                                                    .letter = d->letters._buffer[k]};
+            box->items[count++] = (muster_Parcel){.box = a->name,
+                                                  .number = d->numbers._buffer[i] + k,
+                                                  .letter = d->letters._buffer[k]};
         }
     }
-    box->open.parcels._buffer = box->parcels;
+    box->open.parcels._buffer = box->items;
     box->open.parcels._length = box->open.parcels._maximum = count;
     return &box->open;
 }
 
 /* --- in and out ------------------------------------------------------------------------------- */
 
-static void keep(struct inbox *box, struct bus_reader *from, bool circular)
+static void keep(struct inbox *box, struct bus_reader *from, bool multicast)
 {
     void **place = &box->at[box->count++];
     *place = bus_keep(from, *place);
-    box->circulars += circular;
+    box->multicasts += multicast;
 }
 
-static void circulars_fill(mu_process *p)
+static void multicasts_fill(mu_process *p)
 {
     enum bus_life life;
     const muster_Delivery *d;
-    while (p->inbox.circulars < INBOX_EACH && (d = bus_next(&p->circulars, &life))) {
+    while (p->inbox.multicasts < INBOX_EACH && (d = bus_next(&p->multicasts, &life))) {
         if (life == BUS_DATA && names_us(p, d)) {
-            keep(&p->inbox, &p->circulars, true);
+            keep(&p->inbox, &p->multicasts, true);
         }
     }
 }
@@ -113,13 +114,13 @@ void inbox_fill(mu_process *p)
     struct inbox *box = &p->inbox;
     const muster_Delivery *d;
     enum bus_life life;
-    /* First: beside a Delivery to a new seat, what went to the old one counts for nothing. */
-    circulars_fill(p);
-    while (box->count - box->circulars < INBOX_EACH && (d = bus_next(&p->delivery, &life))) {
-        bool is_glance = life == BUS_DATA && d->glances._length > 0;
-        if (is_glance && d->broker_incarnation == p->link.incarnation) {
-            glances_take(p, d);
-        } else if (life == BUS_DATA && !is_circular(d)) {
+    /* First: behind a Delivery to a new seat, a multicast to the old one does not count. */
+    multicasts_fill(p);
+    while (box->count - box->multicasts < INBOX_EACH && (d = bus_next(&p->delivery, &life))) {
+        bool is_probe = life == BUS_DATA && d->glances._length > 0;
+        if (is_probe && d->broker_incarnation == p->link.incarnation) {
+            probes_take(p, d);
+        } else if (life == BUS_DATA && !is_multicast(d)) {
             keep(box, &p->delivery, false);
         }
     }
@@ -128,7 +129,7 @@ void inbox_fill(mu_process *p)
 static void remove_at(struct inbox *box, uint32_t index)
 {
     void *spare = box->at[index];
-    box->circulars -= is_circular(spare);
+    box->multicasts -= is_multicast(spare);
     memmove(&box->at[index], &box->at[index + 1], (--box->count - index) * sizeof spare);
     box->at[box->count] = spare;
 }
@@ -149,14 +150,14 @@ static uint64_t serial_of(const struct inbox *box, const muster_Delivery *d)
     if (d->broker_incarnation != box->incarnation) {
         return 0;
     }
-    if (is_circular(d)) {
+    if (is_multicast(d)) {
         uint32_t i = first_box(box, d);
         return i < d->seats._length ? d->serials._buffer[i] : 0;
     }
     return d->seat == box->seat ? d->serial : 0;
 }
 
-/* @return the first that may be handled now; its count: every one has come too early */
+/* @return the first that may be handled now; its count: each one has come too early */
 static uint32_t find_next(const struct inbox *box)
 {
     uint32_t i = 0;
@@ -166,7 +167,7 @@ static uint32_t find_next(const struct inbox *box)
     return i;
 }
 
-/* @return the one of the first few, at least of one, that is before the others */
+/* @return the earliest of the first count, which is at least 1 */
 static uint32_t find_earliest(const struct inbox *box, uint32_t count)
 {
     uint32_t earliest = 0;
@@ -177,14 +178,14 @@ static uint32_t find_earliest(const struct inbox *box, uint32_t count)
     return earliest;
 }
 
-/* @return whether it is the first to a new seat: what is missing before will not come any more */
+/* @return whether it is the first to a new seat: Deliveries that are missing before it are lost */
 static bool begins_anew(const struct inbox *box, const muster_Delivery *d)
 {
-    return !is_circular(d) && d->serial > 0 && d->broker_incarnation == box->incarnation &&
+    return !is_multicast(d) && d->serial > 0 && d->broker_incarnation == box->incarnation &&
            d->seat > box->seat;
 }
 
-/* @return which one is next, or its count: that has not come */
+/* @return the index of the next one, or the count: it has not come */
 static uint32_t choose(struct inbox *box)
 {
     uint32_t next = find_next(box);
@@ -200,20 +201,20 @@ static uint32_t choose(struct inbox *box)
     if (now_ns - box->lacks_ns < INBOX_PATIENCE_NS) {
         return next;
     }
-    return find_earliest(box, next); /* the others were lost: what they had in a box comes again */
+    return find_earliest(box, next); /* the others were lost: their mail comes again */
 }
 
-/* It is handled now: what follows it in the count is next, and has a patience of its own. */
+/* It is handled now: the one after it is next, and has a patience of its own. */
 static void serial_note(struct inbox *box, const muster_Delivery *d)
 {
-    uint64_t serial = is_circular(d) ? serial_of(box, d) : d->serial;
+    uint64_t serial = is_multicast(d) ? serial_of(box, d) : d->serial;
     bool counts = serial_of(box, d) > 0;
     if (serial == 0 || (counts && serial <= box->serial)) {
         return;
     }
     box->serial = serial;
     box->lacks_ns = 0;
-    if (!is_circular(d)) {
+    if (!is_multicast(d)) {
         box->seat = d->seat;
         box->incarnation = d->broker_incarnation;
     }
@@ -243,14 +244,14 @@ void inbox_next(mu_process *p)
             continue;
         }
         serial_note(box, d);
-        p->mail = is_circular(d) ? circular_open(p, d) : d;
+        p->mail = is_multicast(d) ? multicast_open(p, d) : d;
     }
 }
 
 bool inbox_has_step_behind(const mu_process *p)
 {
     const struct inbox *box = &p->inbox;
-    bool has = box->count - box->circulars == INBOX_EACH; /* it may lie behind these */
+    bool has = box->count - box->multicasts == INBOX_EACH; /* it may lie behind these */
     for (uint32_t i = 1; i < box->count && !has; i++) {
         const muster_Delivery *d = box->at[i];
         has = d->step != muster_STEP_NOW && d->broker_incarnation == p->mail->broker_incarnation;

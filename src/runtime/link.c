@@ -71,7 +71,7 @@ void link_register(mu_process *p)
         queue_remove(&p->queues[QUEUE_SEND], QUEUE_SEND, a);
         queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a); /* the new broker counts from 1 */
     }
-    owed_clear(&p->owed, mu_clock_ns());
+    ack_delay_clear(&p->ack_delay, mu_clock_ns());
     roll_mark_all(p);
 }
 
@@ -101,8 +101,8 @@ static mu_result broker_enter(mu_process *p, const char *name, uint64_t incarnat
     }
     l->incarnation = incarnation;
     l->silent = false;
-    glances_review(p);
-    /* Nor does a life that has answered already, and that we had taken for another. */
+    probes_review(p);
+    /* A life that has answered already, and seemed to be another, would not answer again either. */
     agents_say(p, is_other || p->broker_incarnation == incarnation, mu_clock_ns());
     return MU_OK;
 }

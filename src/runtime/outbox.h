@@ -90,9 +90,8 @@ void outbox_confirm(struct outbox *box, uint64_t first_seq, uint64_t last_seq);
 void outbox_end(struct outbox *box, uint64_t first_seq, uint64_t last_seq);
 
 /**
- * The broker has had these, and says no more of them now.  They are kept: it may die before it has
- * answered, and the next one has not had them.  After OUTBOX_HAD times its answer is taken for
- * lost.
+ * The broker had these before, and says no more of them now.  They are kept: it may die before it
+ * answers, and the next one has not had them.  After OUTBOX_HAD times its answer counts as lost.
  */
 void outbox_had(struct outbox *box, uint64_t first_seq, uint64_t last_seq);
 

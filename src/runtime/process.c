@@ -45,7 +45,7 @@ static mu_result endpoints_open(mu_process *p, const char *broker)
     MU_TRY(link_open(p, broker));
     MU_TRY(bus_writer_open(&p->bus, BUS_REGISTRATION, NULL, NULL, &p->registration));
     MU_TRY(bus_reader_open(&p->bus, BUS_DELIVERY, p->name, &p->delivery));
-    MU_TRY(bus_reader_open_deep(&p->bus, BUS_DELIVERY, BUS_TO_ALL, INBOX_DEPTH, &p->circulars));
+    MU_TRY(bus_reader_open_deep(&p->bus, BUS_DELIVERY, BUS_TO_ALL, INBOX_DEPTH, &p->multicasts));
     inbox_init(&p->inbox);
     if (process_takes_steps(p)) {
         MU_TRY(bus_reader_open(&p->bus, BUS_SENSE, p->name, &p->sense));
@@ -69,7 +69,7 @@ void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails)
         p->role == PROCESS_BODY ? mu_startup_array(p->agents_max, MU_NOTE_MAX + 1) : NULL;
     p->bodies =
         p->role == PROCESS_WATCH ? mu_startup_array(MU_ROBOTS_MAX, sizeof *p->bodies) : NULL;
-    p->taken = mu_startup_array(p->agents_max, sizeof *p->taken);
+    p->dedup = mu_startup_array(p->agents_max, sizeof *p->dedup);
     p->acts = mu_startup_array(acts, sizeof *p->acts);
     /* An agent has the same room in a step whoever it shares the process with. */
     p->mails_max = process_takes_steps(p) ? p->agents_max * PROCESS_UP_MAILS : PROCESS_UP_MAILS;
@@ -249,7 +249,7 @@ static void registrations_keep(mu_process *p)
         (void)process_step_on(p, STEP_UNMATCHED);
     }
     p->heartbeat_ns = now_ns;
-    roll_beat(p);
+    roll_refresh(p);
 }
 
 /* Takes the step that is there: the reader keeps only the newest. */
@@ -281,8 +281,8 @@ static void next_step(mu_process *p)
 /* A robot in free running takes its mail in at the next step, if one is to be expected. */
 static bool mail_is_held(const mu_process *p)
 {
-    return p->role == PROCESS_BODY && !process_in_lockstep(p) && !p->trips.prompt &&
-           !p->trips.under_way && p->step_wall_ns &&
+    return p->role == PROCESS_BODY && !process_in_lockstep(p) && !p->transfers.prompt &&
+           !p->transfers.under_way && p->step_wall_ns &&
            mu_clock_ns() - p->step_wall_ns < PROCESS_STEP_PATIENCE_NS;
 }
 
@@ -301,7 +301,7 @@ static uint64_t samples_wanted(const mu_process *p)
         return 0; /* more mail may lie in the reader, and waits, too */
     }
     /* A step in lock step needs two: the senses, and the mail of the step before. */
-    return process_in_lockstep(p) && !p->trips.prompt && !p->mail && !p->step ? 2 : 1;
+    return process_in_lockstep(p) && !p->transfers.prompt && !p->mail && !p->step ? 2 : 1;
 }
 
 /* Step and mail do not belong together: one of them is of an earlier lock step, whose simulator or
@@ -323,7 +323,7 @@ static bool pair_mend(mu_process *p)
 static bool handle_one(mu_process *p)
 {
     inbox_fill(p);
-    glances_look(p);
+    probes_look(p);
     if (p->up_state == UP_PENDING) {
         return false;
     }
@@ -379,7 +379,7 @@ void process_work(mu_process *p)
     }
     if (now_ns - p->heartbeat_ns >= HEARTBEAT_NS) {
         p->heartbeat_ns = now_ns;
-        roll_beat(p);
+        roll_refresh(p);
     }
     roll_write(p);
 }
@@ -417,8 +417,9 @@ static int64_t patience_ns(mu_process *p)
 static int64_t rest_ns(mu_process *p)
 {
     int64_t most_ns = patience_ns(p);
-    int64_t owed_ns = process_in_lockstep(p) ? INT64_MAX : owed_wait_ns(&p->owed, mu_clock_ns());
-    return owed_ns < most_ns ? owed_ns : most_ns;
+    int64_t acks_ns =
+        process_in_lockstep(p) ? INT64_MAX : ack_delay_wait_ns(&p->ack_delay, mu_clock_ns());
+    return acks_ns < most_ns ? acks_ns : most_ns;
 }
 
 static void handle_all(mu_process *p)
@@ -472,7 +473,7 @@ void process_turn(mu_process *p)
 {
     handle_all(p);
     if (process_in_lockstep(p)) {
-        step_say_trips(p);
+        step_say_transfers(p);
     } else {
         step_flush(p);
     }

@@ -9,21 +9,21 @@
 #include "bus/bus.h"
 #include "core/text.h"
 #include "muster/agent.h"
+#include "runtime/ack_delay.h"
+#include "runtime/dedup.h"
 #include "runtime/directory.h"
-#include "runtime/glances.h"
 #include "runtime/inbox.h"
 #include "runtime/kind.h"
 #include "runtime/life.h"
 #include "runtime/link.h"
 #include "runtime/members.h"
 #include "runtime/outbox.h"
-#include "runtime/owed.h"
+#include "runtime/probes.h"
 #include "runtime/queue.h"
 #include "runtime/resolver.h"
 #include "runtime/returns.h"
 #include "runtime/roll.h"
-#include "runtime/taken.h"
-#include "runtime/trips.h"
+#include "runtime/transfers.h"
 #include "wire.h"
 
 #include <stdatomic.h>
@@ -32,7 +32,7 @@
 enum {
     PROCESS_UP_MAILS = 256,       /* mails in one Up; in the answer to a step, of each agent */
     PROCESS_UP_ACKS = 1024,       /* acknowledgements in one Up, or one of each agent */
-    PROCESS_PARCELS = 64 * 1024,  /* parcels in one Delivery; more come again */
+    PROCESS_ITEMS = 64 * 1024,    /* items in one Delivery; more come again */
     PROCESS_UP_BYTES = 48 * 1024, /* of mail content beside the first mail, likewise */
     PROCESS_RULES_MAX = 8 * 1024, /* names of fired rules, in bytes */
 };
@@ -51,7 +51,7 @@ struct mu_agent {
     struct mu_handlers handlers;
     struct kind_part part; /* what its kind has come to */
     struct resolver resolver;
-    struct glances_handlers glances;
+    struct probes_handlers probes;
     returns_handler *on_return;    /* NULL: nobody is told */
     uint64_t since_wall_ns;        /* since when it has its name */
     uint64_t epoch;                /* how often it has set out for another process */
@@ -72,9 +72,9 @@ struct mu_agent {
     uint64_t progress_ns;    /* wall: when the broker last answered for mail, or mail went out */
     uint64_t earlier_end;    /* mails below this number were there before that one came */
     bool in_order;           /* the box's numbers go on after last_number, without gaps */
-    uint64_t last_number;    /* taken from the box */
+    uint64_t last_number;    /* of its box that it got */
     uint64_t acked_number;   /* told the broker */
-    uint64_t handed;         /* parcels that reached its handlers */
+    uint64_t handed;         /* items that reached its handlers */
     uint32_t senses;         /* enum mu_sense: that its body is to read */
     enum mu_paddles paddles; /* this step */
     enum mu_lift lift;
@@ -84,7 +84,7 @@ struct mu_agent {
     uint32_t firings; /* this step */
     char goal[MU_FIELD_MAX + 1];
     uint64_t repeats; /* mails that came again through another broker, and were dropped */
-    struct taken *taken;
+    struct dedup *dedup;
     char *rules;         /* PROCESS_RULES_MAX + 1 bytes; NULL: the process has no bodies */
     struct mu_text note; /* for recordings, until it is sent; likewise */
     uint32_t act;        /* where it stands in the Up that is being put together */
@@ -133,7 +133,7 @@ enum process_up {
 enum process_up_event {
     UP_ANSWERS, /* the answer to a step is put together */
     UP_GOES,    /* it may go out */
-    UP_WRITTEN, /* the network has taken it */
+    UP_WRITTEN, /* the network has it */
     UP_DROPPED, /* it was for another broker */
     UP_EVENTS
 };
@@ -150,7 +150,7 @@ struct mu_process {
     struct link link;
     struct bus_writer registration;
     struct bus_writer up; /* closed while no broker is known */
-    struct bus_reader delivery, circulars, sense;
+    struct bus_reader delivery, multicasts, sense;
     uint64_t incarnation;
     pid_t pid;               /* that opened it: a child has no threads of DDS */
     bool spins;              /* in mu_process_spin, and so in handlers */
@@ -165,11 +165,11 @@ struct mu_process {
     char *outbox_text;
     char *rules_text;    /* NULL: no bodies */
     char *note_text;     /* likewise */
-    struct taken *taken; /* one for each agent */
+    struct dedup *dedup; /* one for each agent */
     struct queue queues[QUEUES];
     struct roll roll;
-    struct trips trips;
-    struct glances glances;
+    struct transfers transfers;
+    struct probes probes;
     struct inbox inbox;
     struct members members;
     struct directory directory;
@@ -180,7 +180,7 @@ struct mu_process {
     void *step_kept;             /* its sample, for the reader when the next one comes */
     const muster_Delivery *mail; /* the first delivery of the inbox, in hand; NULL: none is */
     uint64_t step_wall_ns;       /* when the last step came */
-    struct owed owed;            /* acknowledgements that wait for mail to go with */
+    struct ack_delay ack_delay;  /* acknowledgements that wait for mail to go with */
     uint32_t leaving;            /* so many agents have begun to, and are to be seen out */
     uint64_t leaving_ns;         /* since when their last words are awaited; 0: they are not */
     uint64_t works_ns;           /* since when the handlers of one step, or one delivery, run */
@@ -201,8 +201,8 @@ struct mu_process {
     struct mu_agent **out_ackers; /* whose they are */
     uint32_t acks_max, mails_max;
     muster_Mail *mails;
-    struct mu_percept *bodies;   /* MU_ROBOTS_MAX; NULL: it does not watch */
-    bool fresh[PROCESS_PARCELS]; /* of the Delivery in hand: parcels that were not had before */
+    struct mu_percept *bodies; /* MU_ROBOTS_MAX; NULL: it does not watch */
+    bool fresh[PROCESS_ITEMS]; /* items of the Delivery in hand that are no duplicates */
 };
 
 /* process.c */
@@ -234,8 +234,8 @@ void process_up_on(mu_process *p, enum process_up_event event);
 void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails);
 
 /**
- * Has before called whenever what the agents have done, or that they have taken mail, is about to
- * go out: what is on disk by then is never behind what others have heard.
+ * Has before called whenever the agents' actions or acknowledgements are about to go out: what is
+ * on disk by then is never behind what others have heard.
  */
 void process_before_up(mu_process *p, void (*before)(void *self), void *self);
 
@@ -280,10 +280,10 @@ MU_MUST_USE mu_result agent_replay(struct mu_agent *a, uint64_t seq, const struc
 void agent_live(struct mu_agent *a, enum life_event event, const char *by);
 
 /** Carries out a directive, or hands it to the agent. */
-void agent_directive(struct mu_agent *a, const muster_Parcel *parcel);
+void agent_directive(struct mu_agent *a, const muster_Parcel *item);
 
 /** Hands a mail to the agent. */
-void agent_mail(struct mu_agent *a, const muster_Parcel *parcel);
+void agent_mail(struct mu_agent *a, const muster_Parcel *item);
 
 /** @return whether a mail is an answer, to which nothing is said unless it asks for that */
 bool agent_mail_answers(const struct mu_mail *mail);
@@ -293,7 +293,7 @@ struct mu_agent *agent_find(mu_process *p, const char *name);
 
 /* step.c */
 
-/** Takes the parcels, receipts, verdicts and members of a delivery. */
+/** Takes the items, receipts, verdicts and members of a delivery. */
 void step_take_delivery(mu_process *p, const muster_Delivery *d, const muster_Sense *sense);
 
 /** Lets the agents live through one control step and answers the simulator. */
@@ -310,7 +310,7 @@ void step_hello(mu_process *p);
 void step_flush(mu_process *p);
 
 /** Sends words about agents on their way, between the steps of a lock step. */
-void step_say_trips(mu_process *p);
+void step_say_transfers(mu_process *p);
 
 /** Tries again to send what the network refused.  @return whether nothing is pending any more */
 bool step_retry(mu_process *p);

@@ -13,7 +13,7 @@ struct mu_agent;
 
 enum queue_kind {
     QUEUE_SEND, /* mail that has not gone out */
-    QUEUE_ACK,  /* taken, and the broker not told */
+    QUEUE_ACK,  /* mail that it got, and the broker does not know */
     QUEUE_WAIT, /* mail that went out and is not answered for, the longest wait first */
     QUEUES,     /* how many */
 };

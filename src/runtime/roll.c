@@ -30,7 +30,7 @@ void roll_mark_all(mu_process *p)
     }
 }
 
-void roll_beat(mu_process *p)
+void roll_refresh(mu_process *p)
 {
     if (p->agent_count > 0) {
         part_mark(p, 0);

@@ -24,7 +24,7 @@ void roll_mark(struct mu_agent *a);
 void roll_mark_all(mu_process *p);
 
 /** Part 0 is to be written, so that the broker hears that the process lives. */
-void roll_beat(mu_process *p);
+void roll_refresh(mu_process *p);
 
 /** Writes what is to be written, when a broker is known; what the network refuses stays. */
 void roll_write(mu_process *p);

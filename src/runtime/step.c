@@ -13,11 +13,11 @@
 /* Mail that went out and has no answer after this long, by the wall, goes out again. */
 static const uint64_t RESEND_NS = 1000000000;
 
-/* Says whether a parcel is the next one of its box, and takes its number if so. */
+/* @return whether an item is the next one of its box; then its number is noted */
 static bool number_take(struct mu_agent *a, uint64_t number)
 {
     if (number <= a->last_number) {
-        owed_add(&a->process->owed, mu_clock_ns());
+        ack_delay_add(&a->process->ack_delay, mu_clock_ns());
         a->acked_number = 0; /* it came again, so our acknowledgement was lost: say it again */
         return false;
     }
@@ -25,107 +25,105 @@ static bool number_take(struct mu_agent *a, uint64_t number)
     if (a->in_order && number != a->last_number + 1) {
         return false;
     }
-    owed_add(&a->process->owed, mu_clock_ns());
+    ack_delay_add(&a->process->ack_delay, mu_clock_ns());
     a->in_order = true;
     a->last_number = number;
     return true;
 }
 
-/* @return whether it has only begun: what comes before its verdict was for one of its name who has
- * left, and may begin behind a mail that came when nobody was there */
+/* @return whether it has only begun: mail before its verdict was for an earlier agent of its name,
+ * and may begin behind a mail that came when no such agent was there */
 static bool awaits_verdict(const struct mu_agent *a)
 {
     return a->name_state != NAME_ACCEPTED && !a->in_order;
 }
 
-/* @return whether a parcel is to be handed over; either way it has been taken */
-static bool parcel_take(struct mu_agent *a, const muster_Parcel *parcel)
+/* @return whether an item is to be handed over; either way it is acknowledged */
+static bool item_take(struct mu_agent *a, const muster_Parcel *item)
 {
-    const muster_Mail *m = &parcel->letter;
-    /* What was under way to an agent that has begun to move is for its next life. */
+    const muster_Mail *m = &item->letter;
+    /* Mail to an agent that has begun to move is for its next life. */
     if (!a || a->state == MU_GONE || a->state == MU_MOVING || awaits_verdict(a)) {
         return false;
     }
     if (a->name_state != NAME_REFUSED) {
         queue_add(&a->process->queues[QUEUE_ACK], QUEUE_ACK, a);
     }
-    bool had = parcel->number <= a->last_number;
-    if (!number_take(a, parcel->number)) {
-        if (had && !taken_has(a->taken, m)) {
-            taken_add(a->taken, m); /* by an earlier life of the agent */
+    bool had = item->number <= a->last_number;
+    if (!number_take(a, item->number)) {
+        if (had && !dedup_has(a->dedup, m)) {
+            dedup_add(a->dedup, m); /* by an earlier life of the agent */
         }
         return false;
     }
-    /* What has passed another broker may have come by two ways; brokers number their own words each
-     * for itself. */
+    /* Mail through another broker may have come by two routes; each broker numbers its own mail. */
     bool may_repeat = m->again || (m->hops > 0 && strcmp(m->src, "broker") != 0);
-    if (may_repeat && taken_has(a->taken, m)) {
+    if (may_repeat && dedup_has(a->dedup, m)) {
         a->repeats++;
         return false;
     }
-    taken_add(a->taken, m);
+    dedup_add(a->dedup, m);
     a->handed++;
     return true;
 }
 
-/* Marks the parcels that are to be handed over.  @return how many parcels were looked at */
-static uint32_t parcels_mark(mu_process *p, const muster_Delivery *d)
+/* Marks the items that are to be handed over.  @return how many items were looked at */
+static uint32_t items_mark(mu_process *p, const muster_Delivery *d)
 {
-    uint32_t count = d->parcels._length < PROCESS_PARCELS ? d->parcels._length : PROCESS_PARCELS;
+    uint32_t count = d->parcels._length < PROCESS_ITEMS ? d->parcels._length : PROCESS_ITEMS;
     for (uint32_t i = 0; i < count; i++) {
-        const muster_Parcel *parcel = &d->parcels._buffer[i];
-        p->fresh[i] = parcel_take(agent_find(p, parcel->box), parcel);
+        const muster_Parcel *item = &d->parcels._buffer[i];
+        p->fresh[i] = item_take(agent_find(p, item->box), item);
     }
     return count;
 }
 
-/* @return whether a directive behind parcel has been carried out already */
-static bool is_overtaken(const muster_Delivery *d, const muster_Parcel *parcel)
+/* @return whether a directive behind the item has been carried out already */
+static bool is_overtaken(const muster_Delivery *d, const muster_Parcel *item)
 {
     for (uint32_t i = 0; i < d->parcels._length; i++) {
         const muster_Parcel *other = &d->parcels._buffer[i];
-        if (other->letter.layer == WIRE_DIRECTIVE && other->number > parcel->number &&
-            strcmp(other->box, parcel->box) == 0) {
+        if (other->letter.layer == WIRE_DIRECTIVE && other->number > item->number &&
+            strcmp(other->box, item->box) == 0) {
             return true;
         }
     }
     return false;
 }
 
-/* Who left in the middle of its mail has not taken the rest: that waits for its next life.  What a
- * directive has overtaken has gone with it, or the next life would be directed, too. */
-static void parcel_give_back(struct mu_agent *a, const muster_Delivery *d,
-                             const muster_Parcel *parcel)
+/* An agent that left in the middle of its mail leaves the rest for its next life.  Mail that a
+ * directive has overtaken is gone, or the next life would get the directive, too. */
+static void item_give_back(struct mu_agent *a, const muster_Delivery *d, const muster_Parcel *item)
 {
-    if (is_overtaken(d, parcel)) {
+    if (is_overtaken(d, item)) {
         return;
     }
     a->handed--;
-    if (parcel->number <= a->last_number) {
-        a->last_number = parcel->number - 1;
+    if (item->number <= a->last_number) {
+        a->last_number = item->number - 1;
     }
 }
 
 /* Hands over the marked directives, or the marked mails. */
-static void parcels_hand(mu_process *p, const muster_Delivery *d, uint32_t count, bool directives)
+static void items_hand(mu_process *p, const muster_Delivery *d, uint32_t count, bool directives)
 {
     for (uint32_t i = 0; i < count; i++) {
-        const muster_Parcel *parcel = &d->parcels._buffer[i];
-        struct mu_agent *a = agent_find(p, parcel->box);
-        if (!p->fresh[i] || !a || (parcel->letter.layer == WIRE_DIRECTIVE) != directives) {
+        const muster_Parcel *item = &d->parcels._buffer[i];
+        struct mu_agent *a = agent_find(p, item->box);
+        if (!p->fresh[i] || !a || (item->letter.layer == WIRE_DIRECTIVE) != directives) {
             continue;
         }
         if (a->state == MU_GONE) {
-            parcel_give_back(a, d, parcel);
+            item_give_back(a, d, item);
         } else if (directives) {
-            agent_directive(a, parcel);
+            agent_directive(a, item);
         } else {
-            agent_mail(a, parcel);
+            agent_mail(a, item);
         }
     }
 }
 
-/* Changes of the groups and the yellow pages, and who has come and gone by them. */
+/* Takes changes of the groups and the yellow pages, and tells standing queries of them. */
 static void directory_take(mu_process *p, const muster_Delivery *d)
 {
     for (uint32_t i = 0; i < d->memberships._length; i++) {
@@ -158,7 +156,7 @@ static void verdicts_take(mu_process *p, const muster_Delivery *d)
     }
 }
 
-/* Before anything went out it is of an earlier one of the name, and of no mail that waits here. */
+/* Before any mail went out, a receipt is for an earlier agent of the name. */
 static void receipt_note(struct outbox *box, const muster_Receipt *r)
 {
     if (!box->begun) {
@@ -186,8 +184,8 @@ static void receipts_take(mu_process *p, const muster_Delivery *d)
         receipt_note(&a->outbox, r);
         resolver_retry(a);
         agent_progress(a);
-        /* Only the runtime sends a mail twice; its real outcome is still to come.  And what an
-         * earlier process of that name has sent is no business of this one. */
+        /* Only the runtime sends a mail twice; its real outcome is still to come.  Receipts for an
+         * earlier process of that name are not for this one. */
         bool ours = a->outbox.begun && r->last_seq >= a->outbox.own_seq;
         if (a->handlers.on_receipt && ours && is_answer) {
             a->handlers.on_receipt(a->handlers.self, a, r->first_seq, r->last_seq,
@@ -203,7 +201,7 @@ static struct mu_percept percept_of(const muster_Sense *sense, const muster_Perc
     return p;
 }
 
-/* Who watches is shown the whole world. */
+/* A process that watches sees the whole world. */
 static void world_take(mu_process *p, const muster_Sense *sense)
 {
     uint32_t count = sense->robots._length < MU_ROBOTS_MAX ? sense->robots._length : MU_ROBOTS_MAX;
@@ -219,17 +217,17 @@ static void world_take(mu_process *p, const muster_Sense *sense)
 }
 
 /* Robots without a body live through the step, too, in the order in which they came. */
-static bool takes_beat(const struct mu_agent *a)
+static bool takes_tick(const struct mu_agent *a)
 {
     return a->kind == MU_KIND_ROBOT && !a->embodied && a->state != MU_GONE &&
            a->name_state == NAME_ACCEPTED && a->handlers.on_beat;
 }
 
-static void beats_take(mu_process *p)
+static void ticks_take(mu_process *p)
 {
     for (uint32_t i = 0; i < p->agent_count; i++) {
         struct mu_agent *a = &p->agents[i];
-        if (takes_beat(a)) {
+        if (takes_tick(a)) {
             a->handlers.on_beat(a->handlers.self, a, &a->percept);
         }
     }
@@ -266,7 +264,7 @@ static void percepts_take(mu_process *p, const muster_Sense *sense)
             a->handlers.on_step(a->handlers.self, a, &a->percept);
         }
     }
-    beats_take(p);
+    ticks_take(p);
 }
 
 static void agent_act(struct mu_agent *a)
@@ -285,7 +283,7 @@ static void agents_act(mu_process *p, const muster_Sense *sense)
         }
     }
     for (uint32_t i = 0; i < p->agent_count; i++) {
-        if (takes_beat(&p->agents[i])) {
+        if (takes_tick(&p->agents[i])) {
             agent_act(&p->agents[i]);
         }
     }
@@ -293,21 +291,21 @@ static void agents_act(mu_process *p, const muster_Sense *sense)
 
 void step_take_delivery(mu_process *p, const muster_Delivery *d, const muster_Sense *sense)
 {
-    trips_take(p, d);
-    glances_take(p, d);
+    transfers_take(p, d);
+    probes_take(p, d);
     verdicts_take(p, d);
     for (uint32_t i = 0; i < d->members._length; i++) {
         members_set(&p->members, &d->members._buffer[i]);
     }
     directory_take(p, d);
     receipts_take(p, d);
-    uint32_t count = parcels_mark(p, d);
+    uint32_t count = items_mark(p, d);
     /* Directives come first, whatever order the box has: no rule delays them. */
-    parcels_hand(p, d, count, true);
+    items_hand(p, d, count, true);
     if (sense) {
         percepts_take(p, sense);
     }
-    parcels_hand(p, d, count, false);
+    items_hand(p, d, count, false);
 }
 
 /* --- the answer ------------------------------------------------------------------------------- */
@@ -399,8 +397,7 @@ static void load_begin(const mu_process *p, struct up_load *load)
 }
 
 /* Puts the next Up together: the answer to a step has an act of every agent, else those alone that
- * have mail.  @return whether there is any mail, acknowledgement, word about a trip or glance in it
- */
+ * have mail.  @return whether there is any mail, acknowledgement, transfer or probe in it */
 static bool up_fill(mu_process *p, int64_t step)
 {
     struct up_load load = {.answer = step != muster_STEP_NOW};
@@ -422,9 +419,9 @@ static bool up_fill(mu_process *p, int64_t step)
     p->out.acts._length = p->out.acts._maximum = load.acts;
     p->out.acks._buffer = p->acks;
     p->out.acks._length = p->out.acks._maximum = acks;
-    bool trips = trips_fill(p, &p->out);
-    bool glances = step == muster_STEP_NOW && glances_fill(p, &p->out);
-    return load.mails > 0 || acks > 0 || trips || glances;
+    bool transfers = transfers_fill(p, &p->out);
+    bool probes = step == muster_STEP_NOW && probes_fill(p, &p->out);
+    return load.mails > 0 || acks > 0 || transfers || probes;
 }
 
 /* The act of an agent has gone out; answer: to a step. */
@@ -467,10 +464,10 @@ bool step_retry(mu_process *p)
             queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a);
         }
     }
-    trips_sent(p, p->out.trips._length);
-    glances_sent(p, &p->out);
+    transfers_sent(p, p->out.trips._length);
+    probes_sent(p, &p->out);
     if (!p->queues[QUEUE_ACK].first) { /* else some did not fit in, and are due with the next Up */
-        owed_clear(&p->owed, mu_clock_ns());
+        ack_delay_clear(&p->ack_delay, mu_clock_ns());
     }
     return true;
 }
@@ -493,12 +490,12 @@ static void step_answer(mu_process *p, const muster_Sense *sense)
 
 static void step_end(mu_process *p, const muster_Sense *sense)
 {
-    if (p->trips.on_step_end) {
-        p->trips.on_step_end(p->trips.self);
+    if (p->transfers.on_step_end) {
+        p->transfers.on_step_end(p->transfers.self);
     }
     step_answer(p, sense);
-    if (p->trips.on_answered) {
-        p->trips.on_answered(p->trips.self);
+    if (p->transfers.on_answered) {
+        p->transfers.on_answered(p->transfers.self);
     }
 }
 
@@ -556,20 +553,20 @@ static void unanswered_again(mu_process *p)
 static bool acks_are_due(const mu_process *p)
 {
     return p->queues[QUEUE_ACK].first &&
-           (p->leaving > 0 || p->bus.wakes || owed_due(&p->owed, mu_clock_ns()));
+           (p->leaving > 0 || p->bus.wakes || ack_delay_due(&p->ack_delay, mu_clock_ns()));
 }
 
 static bool is_anything_to_say(const mu_process *p)
 {
-    return p->queues[QUEUE_SEND].first || acks_are_due(p) || p->trips.count > 0 ||
-           p->glances.unsent > 0;
+    return p->queues[QUEUE_SEND].first || acks_are_due(p) || p->transfers.count > 0 ||
+           p->probes.unsent > 0;
 }
 
-void step_say_trips(mu_process *p)
+void step_say_transfers(mu_process *p)
 {
-    if (p->trips.count > 0 && step_retry(p)) {
+    if (p->transfers.count > 0 && step_retry(p)) {
         p->out = (muster_Up){.process = p->name, .step = muster_STEP_NOW};
-        (void)trips_fill(p, &p->out);
+        (void)transfers_fill(p, &p->out);
         process_up_on(p, UP_GOES);
         (void)step_retry(p);
     }

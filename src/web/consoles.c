@@ -141,7 +141,7 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
     }
 }
 
-static void on_glance(void *self, uint64_t number, enum glance_end end, const char *text)
+static void on_glance(void *self, uint64_t number, enum probe_end end, const char *text)
 {
     struct consoles *c = self;
     for (size_t i = 0; i < CONSOLES_MAX; i++) {
@@ -177,7 +177,7 @@ static void agent_join(struct consoles *c)
         return;
     }
     mu_agent_decline_broadcasts(c->agent);
-    glances_hear(c->agent, on_glance, c);
+    probes_hear(c->agent, on_glance, c);
     links_hand_over(c);
     c->state = CONSOLES_JOINING;
 }

@@ -8,7 +8,7 @@
 #include "mind/engine/engine.h"
 #include "mind/mind.h"
 #include "runtime/process.h"
-#include "runtime/trips.h"
+#include "runtime/transfers.h"
 #include "samples.h"
 #include "suite.h"
 
@@ -280,7 +280,7 @@ static void test_an_agent_makes_one_journey_at_a_time(void)
     CU_ASSERT_EQUAL(migrations_in(MIGRATION_DEPOSITED), 2);
     migration_step_answered(&host->group);
     CU_ASSERT_EQUAL(migrations_in(MIGRATION_KEPT), 2);
-    CU_ASSERT_TRUE(process.trips.under_way);
+    CU_ASSERT_TRUE(process.transfers.under_way);
 }
 
 /* What the broker says of an earlier journey is not of this one; and each hears of its own. */
@@ -305,7 +305,7 @@ static void test_words_reach_whom_they_are_about(void)
     CU_ASSERT(agent_is_away(red) && !blue->migration);
     CU_ASSERT_EQUAL(mu_agent_state(blue->agent), MU_RUNNING);
     CU_ASSERT_EQUAL(mu_agent_state(red->agent), MU_MOVING);
-    CU_ASSERT_TRUE(process.trips.under_way);
+    CU_ASSERT_TRUE(process.transfers.under_way);
 }
 
 /* A word that nobody waits for changes nothing, and is counted. */
@@ -351,10 +351,10 @@ static void test_limit_bytes_of_an_answer(void)
     muster_Trip word = {.word = muster_TRIP_NEW, .agent = words("ruby"), .text = much};
     memset(much, 'x', sizeof much - 1);
     CU_ASSERT_EQUAL(set_out(&host->group.robots[0]), MU_OK);
-    CU_ASSERT_EQUAL(trips_say(&process, &word), MU_OK);
+    CU_ASSERT_EQUAL(transfers_say(&process, &word), MU_OK);
     migration_step_end(&host->group);
     CU_ASSERT_EQUAL(migrations_in(MIGRATION_LAST_WORDS), 1);
-    trips_sent(&process, 1);
+    transfers_sent(&process, 1);
     migration_step_end(&host->group);
     CU_ASSERT_EQUAL(migrations_in(MIGRATION_DEPOSITED), 1);
 }
@@ -363,10 +363,10 @@ static void test_limit_words(void)
 {
     host_begin();
     muster_Trip word = {.word = muster_TRIP_WANTED, .host = words("north")};
-    for (int i = 0; i < TRIPS_OUT_MAX; i++) {
-        CU_ASSERT_EQUAL(trips_say(&process, &word), MU_OK);
+    for (int i = 0; i < TRANSFERS_OUT_MAX; i++) {
+        CU_ASSERT_EQUAL(transfers_say(&process, &word), MU_OK);
     }
-    CU_ASSERT_EQUAL(trips_say(&process, &word), MU_FULL);
+    CU_ASSERT_EQUAL(transfers_say(&process, &word), MU_FULL);
 }
 
 /* The first pieces of so many agents; the next sender is told to try again. */

@@ -107,7 +107,7 @@ static void test_going_back_to_a_broker(void)
 {
     struct mu_agent *red = join("red");
     accept(0, (const uint64_t[]){1, 2, 3}, 3);
-    for (uint64_t number = 1001; number <= 1001 + 2 * TAKEN_MAX; number++) {
+    for (uint64_t number = 1001; number <= 1001 + 2 * DEDUP_MAX; number++) {
         accept_at(6, 0, &number, 1);
     }
     accept(0, (const uint64_t[]){2, 3, 4}, 3);
@@ -117,7 +117,7 @@ static void test_going_back_to_a_broker(void)
     capture_end();
     CU_ASSERT_EQUAL_FATAL(process.out.acks._length, 1);
     CU_ASSERT_EQUAL(process.out.acks._buffer[0].number, 4);
-    CU_ASSERT_EQUAL(red->handed, 4 + 2 * TAKEN_MAX + 1);
+    CU_ASSERT_EQUAL(red->handed, 4 + 2 * DEDUP_MAX + 1);
     accept_at(7, 0, (const uint64_t[]){2}, 1); /* a later life counts for itself */
     CU_ASSERT_STRING_EQUAL(heard.at, "red#2; ");
 }

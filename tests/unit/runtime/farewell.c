@@ -56,10 +56,10 @@ static void accept_red(uint64_t last_seq)
 
 static void take_mail(uint64_t number)
 {
-    muster_Parcel parcel = {
+    muster_Parcel item = {
         .box = words("red"), .number = number, .letter = letter("blue", number, "red", "go")};
     muster_Delivery d = delivery();
-    d.parcels._buffer = &parcel;
+    d.parcels._buffer = &item;
     d.parcels._length = 1;
     step_take_delivery(&process, &d, NULL);
 }
@@ -111,11 +111,11 @@ static void test_last_words_are_in_the_answer_to_a_step(void)
 {
     (void)begin(1);
     accept_red(0);
-    muster_Parcel parcel = {
+    muster_Parcel item = {
         .box = words("red"), .number = 1, .letter = letter("blue", 1, "red", "go")};
     muster_Delivery d = delivery();
     d.step = 6;
-    d.parcels._buffer = &parcel;
+    d.parcels._buffer = &item;
     d.parcels._length = 1;
     muster_Sense sense = {.process = words("p1"), .step = 7, .lockstep = true};
     next_name = "red";

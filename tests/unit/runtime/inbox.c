@@ -19,7 +19,7 @@
 enum { LIFE = 7, SEAT = 5, BOXES_MAX = 80 };
 
 static mu_process process;
-static struct bus_writer own, circulars;
+static struct bus_writer own, multicasts;
 static char heard_buffer[8192];
 static struct mu_text heard;
 static char text[8]; /* of all letters */
@@ -35,9 +35,9 @@ static int network_begin(void)
     return bus_open(&process.bus, &options) != MU_OK ||
            bus_reader_open(&process.bus, BUS_DELIVERY, "p1", &process.delivery) != MU_OK ||
            bus_reader_open_deep(&process.bus, BUS_DELIVERY, BUS_TO_ALL, INBOX_DEPTH,
-                                &process.circulars) != MU_OK ||
+                                &process.multicasts) != MU_OK ||
            bus_writer_open(&process.bus, BUS_DELIVERY, "p1", NULL, &own) != MU_OK ||
-           bus_writer_open(&process.bus, BUS_DELIVERY, BUS_TO_ALL, NULL, &circulars) != MU_OK;
+           bus_writer_open(&process.bus, BUS_DELIVERY, BUS_TO_ALL, NULL, &multicasts) != MU_OK;
 }
 
 static int network_end(void)
@@ -60,14 +60,14 @@ static void begin(void)
 {
     enum bus_life life;
     process.mail = NULL;
-    while (bus_next(&process.delivery, &life) || bus_next(&process.circulars, &life)) {
+    while (bus_next(&process.delivery, &life) || bus_next(&process.multicasts, &life)) {
     }
     memset(&process.inbox, 0, sizeof process.inbox);
     inbox_init(&process.inbox);
     mu_text_copy(process.link.broker, sizeof process.link.broker, "main");
     process.link.incarnation = LIFE;
     process.steps = PROCESS_FREE;
-    process.glances.due_count = 0;
+    process.probes.due_count = 0;
     mu_text_init(&heard, heard_buffer, sizeof heard_buffer);
     if (process.agent_count == 0) {
         join("red");
@@ -93,9 +93,9 @@ static muster_Delivery delivery(uint32_t seat, uint64_t serial)
 
 static void mail_write(muster_Delivery d, uint64_t number)
 {
-    muster_Parcel parcel = {.box = words("red"), .number = number};
-    parcel.letter = letter("green", number, "red", text);
-    d.parcels._buffer = &parcel;
+    muster_Parcel item = {.box = words("red"), .number = number};
+    item.letter = letter("green", number, "red", text);
+    d.parcels._buffer = &item;
     d.parcels._length = d.parcels._maximum = number > 0;
     CU_ASSERT_EQUAL_FATAL(bus_write(&own, &d), MU_OK);
 }
@@ -139,7 +139,7 @@ static void circular_write(const char *broker, uint64_t life, struct boxes *to, 
     d.letters._buffer = mails;
     d.seats._length = d.serials._length = d.slots._length = d.numbers._length = to->count;
     d.letters._length = letters;
-    CU_ASSERT_EQUAL_FATAL(bus_write(&circulars, &d), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(bus_write(&multicasts, &d), MU_OK);
 }
 
 /* One for this process and for its neighbours, with one letter to red. */
@@ -162,9 +162,9 @@ static void circular(uint64_t serial, uint64_t number)
 static void note(const muster_Delivery *d)
 {
     for (uint32_t i = 0; i < d->parcels._length; i++) {
-        const muster_Parcel *parcel = &d->parcels._buffer[i];
-        CU_ASSERT_STRING_EQUAL(parcel->letter.content, text);
-        mu_text_format(&heard, "%s#%llu ", parcel->box, (unsigned long long)parcel->number);
+        const muster_Parcel *item = &d->parcels._buffer[i];
+        CU_ASSERT_STRING_EQUAL(item->letter.content, text);
+        mu_text_format(&heard, "%s#%llu ", item->box, (unsigned long long)item->number);
     }
     if (d->step != muster_STEP_NOW) {
         mu_text_format(&heard, "step %lld ", (long long)d->step);
@@ -527,7 +527,7 @@ static void test_who_only_looks_does_not_wait(void)
     READS(take(), "...");
     glance_write(2);
     READS(take(), "...");
-    CU_ASSERT_EQUAL(process.glances.due_count, 2);
+    CU_ASSERT_EQUAL(process.probes.due_count, 2);
 }
 
 /* Expects the Deliveries of these serials, in order. */
@@ -617,7 +617,7 @@ int main(void)
         CU_TEST_INFO_NULL,
     };
     CU_TestInfo whose[] = {
-        {"circulars of others", test_circulars_of_others},
+        {"multicasts of others", test_circulars_of_others},
         {"who has no seat is not meant", test_who_has_no_seat_is_not_meant},
         {"boxes of one process", test_boxes_of_one_process},
         {"a circular without letters counts", test_a_circular_without_letters_counts},

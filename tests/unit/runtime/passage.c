@@ -72,23 +72,23 @@ static void accept(mu_process *p, uint64_t incarnation)
     step_take_delivery(p, &d, NULL);
 }
 
-static void parcel_take(mu_process *p, uint64_t number)
+static void item_take(mu_process *p, uint64_t number)
 {
-    muster_Parcel parcel = {.box = words("red"),
-                            .number = number,
-                            .letter = {.src = words("blue"),
-                                       .seq = number,
-                                       .dst = words("red"),
-                                       .layer = MU_LAYER_SPEECH,
-                                       .performative = words(""),
-                                       .language = words(""),
-                                       .ontology = words(""),
-                                       .reply_with = words(""),
-                                       .in_reply_to = words(""),
-                                       .conversation = words(""),
-                                       .content = words("hello")}};
+    muster_Parcel item = {.box = words("red"),
+                          .number = number,
+                          .letter = {.src = words("blue"),
+                                     .seq = number,
+                                     .dst = words("red"),
+                                     .layer = MU_LAYER_SPEECH,
+                                     .performative = words(""),
+                                     .language = words(""),
+                                     .ontology = words(""),
+                                     .reply_with = words(""),
+                                     .in_reply_to = words(""),
+                                     .conversation = words(""),
+                                     .content = words("hello")}};
     muster_Delivery d = {.process = words("p"), .broker = words("main"), .step = muster_STEP_NOW};
-    d.parcels._buffer = &parcel;
+    d.parcels._buffer = &item;
     d.parcels._length = 1;
     step_take_delivery(p, &d, NULL);
 }
@@ -121,7 +121,7 @@ static void test_it_goes_on_where_it_was(void)
     mu_agent *moved = NULL;
     set_up();
     for (uint64_t number = 1; number <= 3; number++) {
-        parcel_take(&here, number);
+        item_take(&here, number);
     }
     memset(&here.roll, 0, sizeof here.roll);
     mu_agent_set_out(red);
@@ -140,16 +140,16 @@ static void test_it_goes_on_where_it_was(void)
                     MU_EXISTS);
     mu_agent_be(moved, &kind);
     CU_ASSERT_EQUAL(mu_agent_state(moved), MU_MOVING);
-    parcel_take(&there, 4); /* before it lives: it comes again */
+    item_take(&there, 4); /* before it lives: it comes again */
     CU_ASSERT_EQUAL(mails, 3);
     CU_ASSERT_EQUAL(arrivals, 0);
     accept(&there, BROKER);
     CU_ASSERT_EQUAL(arrivals, 1);
     CU_ASSERT_EQUAL(creations, 1); /* here, once */
     mu_agent_set_state(moved, MU_RUNNING);
-    parcel_take(&there, 3); /* had by its earlier life */
+    item_take(&there, 3); /* had by its earlier life */
     CU_ASSERT_EQUAL(mails, 3);
-    parcel_take(&there, 4);
+    item_take(&there, 4);
     CU_ASSERT_EQUAL(mails, 4);
     passage = mu_agent_passage(moved);
     CU_ASSERT_EQUAL(passage.last_number, 4);
@@ -162,13 +162,13 @@ static void test_it_meets_another_broker(void)
 {
     mu_agent *moved = NULL;
     set_up();
-    parcel_take(&here, 1);
+    item_take(&here, 1);
     struct mu_passage passage = mu_agent_passage(red);
     CU_ASSERT_EQUAL_FATAL(mu_agent_arrive(&there, &moved, "red", &passage, MU_ON_ARRIVE, &handlers),
                           MU_OK);
     accept(&there, BROKER + 1);
     mu_agent_set_state(moved, MU_RUNNING);
-    parcel_take(&there, 1);
+    item_take(&there, 1);
     CU_ASSERT_EQUAL(mails, 2);
 }
 
@@ -184,7 +184,7 @@ static void test_when_it_is_settled(void)
     CU_ASSERT_FALSE(mu_agent_is_settled(red)); /* not answered for */
     receipt_take(seq);
     CU_ASSERT_TRUE(mu_agent_is_settled(red));
-    parcel_take(&here, 1);
+    item_take(&here, 1);
     CU_ASSERT_FALSE(mu_agent_is_settled(red)); /* not acknowledged */
     red->acked_number = red->last_number;
     queue_remove(&here.queues[QUEUE_ACK], QUEUE_ACK, red);
@@ -201,7 +201,7 @@ static void test_who_leaves_is_not_disposed_of(void)
     mu_agent *again = NULL;
     set_up();
     CU_ASSERT_EQUAL(mu_agent_broadcast(red, "bye"), MU_OK);
-    parcel_take(&here, 1);
+    item_take(&here, 1);
     mu_agent_leave(red);
     CU_ASSERT_EQUAL(mu_agent_state(red), MU_GONE);
     CU_ASSERT_EQUAL(disposals, 0);

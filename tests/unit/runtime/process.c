@@ -222,21 +222,21 @@ static void deliver_verdict(struct peer *p, const char *agent)
 
 static void deliver_mail(struct peer *p, int64_t step, const char *agent, uint64_t number)
 {
-    muster_Parcel parcel = {.box = words(agent),
-                            .number = number,
-                            .letter = {.src = words("blue"),
-                                       .seq = number,
-                                       .dst = words(agent),
-                                       .layer = MU_LAYER_SPEECH,
-                                       .performative = words(""),
-                                       .language = words(""),
-                                       .ontology = words(""),
-                                       .reply_with = words(""),
-                                       .in_reply_to = words(""),
-                                       .conversation = words(""),
-                                       .content = words("hi")}};
+    muster_Parcel item = {.box = words(agent),
+                          .number = number,
+                          .letter = {.src = words("blue"),
+                                     .seq = number,
+                                     .dst = words(agent),
+                                     .layer = MU_LAYER_SPEECH,
+                                     .performative = words(""),
+                                     .language = words(""),
+                                     .ontology = words(""),
+                                     .reply_with = words(""),
+                                     .in_reply_to = words(""),
+                                     .conversation = words(""),
+                                     .content = words("hi")}};
     muster_Delivery d = delivery_to(p, step);
-    d.parcels._buffer = &parcel;
+    d.parcels._buffer = &item;
     d.parcels._length = d.parcels._maximum = 1;
     deliver(p, &d);
 }
@@ -375,7 +375,7 @@ static void test_mail_without_an_answer_goes_out_again(void)
     CU_ASSERT_EQUAL(box->first_seq, box->next_seq);
 }
 
-static void on_end(void *self, uint64_t number, enum glance_end end, const char *text)
+static void on_end(void *self, uint64_t number, enum probe_end end, const char *text)
 {
     (void)self;
     mu_text_format(&heard, "%llu %s %s; ", (unsigned long long)number,
@@ -387,12 +387,12 @@ static void test_glances_out_and_answers_in(void)
     mu_agent *red = agent_find(mind.process, "red");
     uint64_t number = 0;
     forget();
-    glances_hear(red, on_end, NULL);
-    CU_ASSERT_EQUAL(glances_ask(red, "robot", "(assert (a))", &number), MU_REFUSED);
-    CU_ASSERT_EQUAL(glances_ask(red, "group:scouts", "(facts)", &number), MU_REFUSED);
-    CU_ASSERT_EQUAL(glances_ask(red, "robot", "(facts)", &number), MU_OK);
+    probes_hear(red, on_end, NULL);
+    CU_ASSERT_EQUAL(probes_ask(red, "robot", "(assert (a))", &number), MU_REFUSED);
+    CU_ASSERT_EQUAL(probes_ask(red, "group:scouts", "(facts)", &number), MU_REFUSED);
+    CU_ASSERT_EQUAL(probes_ask(red, "robot", "(facts)", &number), MU_OK);
     CU_ASSERT_EQUAL(number, 1);
-    CU_ASSERT_EQUAL(glances_ask(red, "robot", "?*mate*", &number), MU_OK);
+    CU_ASSERT_EQUAL(probes_ask(red, "robot", "?*mate*", &number), MU_OK);
     SPIN_UNTIL(&mind, has(seen.glances, "red/2"));
     CU_ASSERT_STRING_EQUAL(seen.glances, "red/1 robot asks (facts); red/2 robot asks ?*mate*; ");
     deliver_glance(&mind, muster_GLANCE_DONE, "red", 1, "f-0");
@@ -409,21 +409,21 @@ static void test_limit_glances_of_a_process(void)
     uint64_t number = 0;
     forget();
     for (unsigned i = 0; i < MU_GLANCES_EACH; i++) {
-        CU_ASSERT_EQUAL(glances_ask(red, "robot", "(facts)", &number), MU_OK);
+        CU_ASSERT_EQUAL(probes_ask(red, "robot", "(facts)", &number), MU_OK);
     }
-    CU_ASSERT_EQUAL(glances_ask(red, "robot", "(facts)", &number), MU_FULL);
+    CU_ASSERT_EQUAL(probes_ask(red, "robot", "(facts)", &number), MU_FULL);
     SPIN_UNTIL(&mind, has(seen.glances, "red/18"));
     deliver_glance(&mind, muster_GLANCE_DONE, "red", 5, "");
     SPIN_UNTIL(&mind, heard.len > 0);
-    CU_ASSERT_EQUAL(glances_ask(red, "robot", "(facts)", &number), MU_OK);
+    CU_ASSERT_EQUAL(probes_ask(red, "robot", "(facts)", &number), MU_OK);
     CU_ASSERT_EQUAL(number, 19);
     SPIN_UNTIL(&mind, has(seen.glances, "red/19"));
 }
 
 /* It knows nothing of them. */
-static void glances_are_declined(void)
+static void probes_are_declined(void)
 {
-    CU_ASSERT_EQUAL(mind.process->glances.count, 0);
+    CU_ASSERT_EQUAL(mind.process->probes.count, 0);
     CU_ASSERT_TRUE(has(heard.at, "19 declined ; "));
     mu_text_clear(&heard);
 }
@@ -435,7 +435,7 @@ static void test_another_life_of_the_broker(void)
     shine(&mind, "alpha", 7, 2);
     SPIN_UNTIL(&mind, seen.registrations >= 1);
     CU_ASSERT_EQUAL(seen.incarnation, before); /* it keeps what it has for the agents */
-    glances_are_declined();
+    probes_are_declined();
     CU_ASSERT_PTR_NULL(mu_process_broker(mind.process));
     SPIN_UNTIL(&mind, seen.incarnation > before); /* it is asked again, as it does not answer */
 
@@ -603,12 +603,12 @@ static void test_free_running(void)
     CU_ASSERT_STRING_EQUAL(heard.at, "robot#2 blue hi; ");
 }
 
-static enum glance_end on_look(void *self, const char *line, const char **text)
+static enum probe_end on_look(void *self, const char *line, const char **text)
 {
     (void)self;
     mu_text_format(&heard, "looks %s; ", line);
     *text = "f-0";
-    return line[0] == '(' ? GLANCE_DONE : GLANCE_FAILED;
+    return line[0] == '(' ? PROBE_DONE : PROBE_FAILED;
 }
 
 /* Who looks does not wait for the step that mail waits for. */
@@ -617,10 +617,10 @@ static void test_looks_pass_the_mail_that_waits(void)
     mu_agent *robot = agent_find(body.process, "robot");
     uint64_t number;
     forget();
-    CU_ASSERT_EQUAL(glances_ask(robot, "robot", "(facts)", &number), MU_REFUSED);
+    CU_ASSERT_EQUAL(probes_ask(robot, "robot", "(facts)", &number), MU_REFUSED);
     deliver_glance(&body, muster_GLANCE_ASK, "operator", 1, "(facts)");
     SPIN_UNTIL(&body, has(seen.glances, "operator/1 robot declined ; "));
-    glances_answer(robot, on_look);
+    probes_answer(robot, on_look);
     sense(&body, 14, false, false);
     SPIN_UNTIL(&body, seen.step == 14);
     forget();

@@ -77,30 +77,30 @@ static void test_another_broker_hears_all_and_is_told_nothing_before_its_answer(
     mu_agent *a0 = agent_find(&process, "a0");
     CU_ASSERT_EQUAL(mu_agent_broadcast(a0, "hello"), MU_OK);
     char *const none = words("");
-    muster_Parcel parcel = {.box = words("a0"),
-                            .number = 1,
-                            .letter = {.src = words("blue"),
-                                       .dst = none,
-                                       .layer = MU_LAYER_SPEECH,
-                                       .performative = none,
-                                       .language = none,
-                                       .ontology = none,
-                                       .reply_with = none,
-                                       .in_reply_to = none,
-                                       .conversation = none,
-                                       .content = none}};
+    muster_Parcel item = {.box = words("a0"),
+                          .number = 1,
+                          .letter = {.src = words("blue"),
+                                     .dst = none,
+                                     .layer = MU_LAYER_SPEECH,
+                                     .performative = none,
+                                     .language = none,
+                                     .ontology = none,
+                                     .reply_with = none,
+                                     .in_reply_to = none,
+                                     .conversation = none,
+                                     .content = none}};
     muster_Delivery d = delivery(NULL, false);
-    d.parcels._buffer = &parcel;
+    d.parcels._buffer = &item;
     d.parcels._length = 1;
     step_take_delivery(&process, &d, NULL);
     CU_ASSERT(process.queues[QUEUE_SEND].first == a0 && process.queues[QUEUE_ACK].first == a0);
-    CU_ASSERT_EQUAL(process.owed.parcels, 1);
+    CU_ASSERT_EQUAL(process.ack_delay.items, 1);
     forget();
     link_register(&process);
     CU_ASSERT_EQUAL(process.roll.due_count, 3);
     CU_ASSERT_PTR_NULL(process.queues[QUEUE_SEND].first);
     CU_ASSERT_PTR_NULL(process.queues[QUEUE_ACK].first);
-    CU_ASSERT_EQUAL(process.owed.parcels, 0);
+    CU_ASSERT_EQUAL(process.ack_delay.items, 0);
     accept(6);
     CU_ASSERT_PTR_EQUAL(process.queues[QUEUE_SEND].first, a0);
     CU_ASSERT_PTR_NULL(process.queues[QUEUE_ACK].first); /* the box counts anew */

@@ -13,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { PARCELS_MAX = PROCESS_PARCELS + 1 };
+enum { PARCELS_MAX = PROCESS_ITEMS + 1 };
 
 static mu_process process;
 static muster_Parcel parcels[PARCELS_MAX];
@@ -108,7 +108,7 @@ static void set_up(void)
 }
 
 /* A mail, or a directive, for somebody whom the broker has accepted. */
-static void parcel(const char *box, uint64_t number, const char *performative, const char *content)
+static void item(const char *box, uint64_t number, const char *performative, const char *content)
 {
     struct mu_agent *a = agent_find(&process, box);
     if (a) {
@@ -142,7 +142,7 @@ static void expect(const char *want)
 static void expect_numbers(uint64_t first, uint64_t last, const char *want)
 {
     for (uint64_t number = first; number <= last; number++) {
-        parcel("red", number, "", "x");
+        item("red", number, "", "x");
     }
     expect(want);
 }
@@ -203,10 +203,10 @@ static void test_a_gap_is_not_taken(void)
     expect_numbers(3, 4, "");
     CU_ASSERT_EQUAL(red->last_number, 1);
     expect_numbers(2, 4, "red#2 x; red#3 x; red#4 x; ");
-    parcel("red", 5, "", "five");
-    parcel("red", 7, "", "seven");
-    parcel("red", 6, "", "six");
-    parcel("red", 7, "", "seven");
+    item("red", 5, "", "five");
+    item("red", 7, "", "seven");
+    item("red", 6, "", "six");
+    item("red", 7, "", "seven");
     expect("red#5 five; red#6 six; red#7 seven; ");
 }
 
@@ -233,11 +233,11 @@ static void test_boxes_are_counted_apart(void)
 {
     join("red", MU_KIND_AGENT, 0)->name_state = NAME_ACCEPTED;
     join("blue", MU_KIND_AGENT, 0)->name_state = NAME_ACCEPTED;
-    parcel("red", 1, "", "a");
-    parcel("blue", 1, "", "b");
-    parcel("stranger", 1, "", "c");
-    parcel("blue", 2, "", "d");
-    parcel("red", 2, "", "e");
+    item("red", 1, "", "a");
+    item("blue", 1, "", "b");
+    item("stranger", 1, "", "c");
+    item("blue", 2, "", "d");
+    item("red", 2, "", "e");
     expect("red#1 a; blue#1 b; blue#2 d; red#2 e; ");
     CU_ASSERT_EQUAL(answer(NULL)->acks._length, 2);
 }
@@ -245,7 +245,7 @@ static void test_boxes_are_counted_apart(void)
 static void test_who_has_left_takes_nothing(void)
 {
     struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
-    parcel("red", 1, "dispose", "");
+    item("red", 1, "dispose", "");
     expect("red is absent; ");
     CU_ASSERT_EQUAL(mu_agent_state(red), MU_GONE);
     expect_numbers(2, 3, "");
@@ -255,10 +255,10 @@ static void test_who_has_left_takes_nothing(void)
 static void test_directives_before_percepts_before_mail(void)
 {
     join("red", MU_KIND_ROBOT, 0);
-    parcel("red", 1, "", "one");
-    parcel("red", 2, "start", "");
-    parcel("red", 3, "", "three");
-    parcel("red", 4, "do", "(wander)");
+    item("red", 1, "", "one");
+    item("red", 2, "start", "");
+    item("red", 3, "", "three");
+    item("red", 4, "do", "(wander)");
     deliver_with(&sense);
     CU_ASSERT_STRING_EQUAL(heard.at, "red is running; red do (wander); red sees 1.5; "
                                      "red#1 one; red#3 three; ");
@@ -282,7 +282,7 @@ static void test_directives_of_life_are_the_runtimes(void)
         {"resume", "red is running; "}, /* after a step it is told not to stop */
     };
     for (uint64_t i = 0; i < sizeof story / sizeof story[0]; i++) {
-        parcel("red", i + 1, story[i].directive, "5");
+        item("red", i + 1, story[i].directive, "5");
         expect(story[i].want);
     }
     CU_ASSERT_EQUAL(red->handed, 9);
@@ -294,11 +294,11 @@ static void test_a_directive_without_a_handler(void)
     struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
     red->handlers.on_directive = NULL;
     red->name_state = NAME_ACCEPTED;
-    parcel("red", 1, "do", "(wander)");
+    item("red", 1, "do", "(wander)");
     expect("");
     CU_ASSERT_EQUAL(answer(NULL)->acts._buffer[0].mails._length, 0);
     mu_text_clear(&heard);
-    parcel("red", 2, "do", "(wander)");
+    item("red", 2, "do", "(wander)");
     parcels[0].letter.reply_with = words("r7");
     parcels[0].letter.conversation = words("c7");
     expect("");
@@ -412,8 +412,8 @@ static void test_another_broker_begins_anew(void)
     line.name = words("new");
     delivery.members._buffer = &line;
     delivery.members._length = 1;
-    parcel("red", 701, "", "first");
-    parcel("red", 703, "", "third");
+    item("red", 701, "", "first");
+    item("red", 703, "", "third");
     verdict_deliver(verdict("red", 6, 1000002), "red#701 first; ");
     CU_ASSERT_EQUAL(process.broker_incarnation, 6);
     CU_ASSERT_EQUAL(red->last_number, 701);
@@ -469,7 +469,7 @@ static void test_a_broker_that_is_back_renumbers_nothing(void)
 
 static void again_parcel(uint64_t number, uint64_t seq)
 {
-    parcel("red", number, "", "x");
+    item("red", number, "", "x");
     parcels[delivery.parcels._length - 1].letter.seq = seq;
     parcels[delivery.parcels._length - 1].letter.again = true;
 }
@@ -486,7 +486,7 @@ static void test_mail_that_came_through_another_broker(void)
     verdict_deliver(verdict("red", 6, 0), "red#9003 x; ");
     CU_ASSERT_EQUAL(red->repeats, 2);
     CU_ASSERT_EQUAL(red->last_number, 9003); /* acknowledged all the same */
-    parcel("red", 9004, "", "new");
+    item("red", 9004, "", "new");
     parcels[0].letter.seq = 2; /* not marked: a sender may count anew */
     expect("red#9004 new; ");
 }
@@ -513,8 +513,8 @@ static void test_the_order_of_a_step(void)
     (void)answer(NULL);
     CU_ASSERT_STRING_EQUAL(heard.at, "red sees 1.5; "); /* in standby it does not act */
     mu_text_clear(&heard);
-    parcel("red", 1, "", "go");
-    parcel("red", 2, "start", "");
+    item("red", 1, "", "go");
+    item("red", 2, "start", "");
     const muster_Up *up = answer(&delivery);
     CU_ASSERT_STRING_EQUAL(heard.at, "red is running; red sees 1.5; red#1 go; red acts 1.5; ");
     CU_ASSERT_EQUAL(up->step, 7);
@@ -665,12 +665,12 @@ static void test_limit_parcels_in_one_delivery(void)
 {
     struct mu_agent *red = join("red", MU_KIND_AGENT, 0);
     for (uint64_t number = 1; number <= PARCELS_MAX; number++) {
-        parcel("red", number, "", "");
+        item("red", number, "", "");
     }
     red->handlers.on_mail = NULL;
     deliver_with(NULL);
-    CU_ASSERT_EQUAL(red->last_number, PROCESS_PARCELS);
-    CU_ASSERT_EQUAL(red->handed, PROCESS_PARCELS);
+    CU_ASSERT_EQUAL(red->last_number, PROCESS_ITEMS);
+    CU_ASSERT_EQUAL(red->handed, PROCESS_ITEMS);
 }
 
 static void test_limit_agents(void)

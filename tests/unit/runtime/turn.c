@@ -28,7 +28,7 @@ static void shine(uint64_t incarnation)
     CU_ASSERT_EQUAL_FATAL(bus_write(&beacons, &b), MU_OK);
 }
 
-static void deliver_at(int64_t step, uint64_t incarnation, muster_Verdict *v, muster_Parcel *parcel)
+static void deliver_at(int64_t step, uint64_t incarnation, muster_Verdict *v, muster_Parcel *item)
 {
     muster_Delivery d = {.process = words(process->name),
                          .broker = words("alpha"),
@@ -36,21 +36,21 @@ static void deliver_at(int64_t step, uint64_t incarnation, muster_Verdict *v, mu
                          .step = step};
     d.verdicts._buffer = v;
     d.verdicts._length = d.verdicts._maximum = v != NULL;
-    d.parcels._buffer = parcel;
-    d.parcels._length = d.parcels._maximum = parcel != NULL;
+    d.parcels._buffer = item;
+    d.parcels._length = d.parcels._maximum = item != NULL;
     CU_ASSERT_EQUAL_FATAL(bus_write(&deliveries, &d), MU_OK);
 }
 
-static void deliver(uint64_t incarnation, muster_Verdict *v, muster_Parcel *parcel)
+static void deliver(uint64_t incarnation, muster_Verdict *v, muster_Parcel *item)
 {
-    deliver_at(muster_STEP_NOW, incarnation, v, parcel);
+    deliver_at(muster_STEP_NOW, incarnation, v, item);
 }
 
 static void deliver_in_step(int64_t step, uint64_t number)
 {
-    muster_Parcel parcel = {
+    muster_Parcel item = {
         .box = words("red"), .number = number, .letter = letter("blue", number, "red", "short")};
-    deliver_at(step, 5, NULL, &parcel);
+    deliver_at(step, 5, NULL, &item);
 }
 
 static void sense_as(int64_t step, bool last)
@@ -142,9 +142,9 @@ static void test_a_late_heartbeat_of_the_earlier_life(void)
 {
     begin();
     uint64_t asked = process->incarnation;
-    muster_Parcel parcel = {
+    muster_Parcel item = {
         .box = words("red"), .number = 1, .letter = letter("blue", 1, "red", "long")};
-    deliver(5, NULL, &parcel);
+    deliver(5, NULL, &item);
     spin(20);
     shine(10);
     CU_ASSERT_TRUE(spin_until_it_follows(10));

@@ -182,7 +182,7 @@ static void receipt(uint64_t seq, muster_Outcome outcome)
     deliver(&d);
 }
 
-static void glance_end(uint64_t number, muster_GlanceWord word, const char *agent, const char *text)
+static void probe_end(uint64_t number, muster_GlanceWord word, const char *agent, const char *text)
 {
     muster_Glance g = {.word = word,
                        .asker = words(name),
@@ -337,13 +337,13 @@ static void test_a_line_that_only_looks_is_a_glance(void)
     const struct sent *s = sent_await(1);
     CU_ASSERT_EQUAL(s->seq, 0);
     READS(s->content, "(facts)");
-    glance_end(s->glance, muster_GLANCE_DONE, "red", "f-0\n");
+    probe_end(s->glance, muster_GLANCE_DONE, "red", "f-0\n");
     is_told(one, "event: said\ndata: {\"agent\": \"red\", \"kind\": \"answer\", \"ask\": 13, "
                  "\"text\": \"f-0\\n\"}\n\n"
                  "event: ended\ndata: {\"agent\": \"red\", \"ask\": 13, \"good\": true}\n\n");
     CU_ASSERT_EQUAL(say("red", "(facts)", 14), CONSOLES_DONE);
     s = sent_await(2);
-    glance_end(s->glance, muster_GLANCE_DECLINED, "red", ""); /* then as any other line */
+    probe_end(s->glance, muster_GLANCE_DECLINED, "red", ""); /* then as any other line */
     s = sent_await(3);
     READS(s->performative, "do");
     says("red", "inform", s->label, "", "f-0\n");

@@ -1,26 +1,26 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
- * @file glances.h
+ * @file probes.h
  * Lines that only look (core/probe.h), asked and answered beside all mail: docs/lockstep.md.
  *
  * An answer goes out at once, in the middle of a lock step, too.  A question goes out like mail.
  */
-#ifndef MUSTER_RUNTIME_GLANCES_H
-#define MUSTER_RUNTIME_GLANCES_H
+#ifndef MUSTER_RUNTIME_PROBES_H
+#define MUSTER_RUNTIME_PROBES_H
 
 #include "muster/agent.h"
 #include "wire.h"
 
-/* What comes of a glance. */
-enum glance_end {
-    GLANCE_DONE = muster_GLANCE_DONE,         /* text is what the line shows */
-    GLANCE_FAILED = muster_GLANCE_FAILED,     /* text is why it shows nothing */
-    GLANCE_DECLINED = muster_GLANCE_DECLINED, /* nobody has looked, or may: the line can go as a
+/* What comes of a probe. */
+enum probe_end {
+    PROBE_DONE = muster_GLANCE_DONE,         /* text is what the line shows */
+    PROBE_FAILED = muster_GLANCE_FAILED,     /* text is why it shows nothing */
+    PROBE_DECLINED = muster_GLANCE_DECLINED, /* nobody has looked, or may: the line can go as a
                                                  directive */
 };
 
 /* A question of this process, until it is answered. */
-struct glances_asked {
+struct probes_asked {
     mu_agent *asker; /* NULL: free */
     uint64_t number;
     bool out; /* it has gone out */
@@ -29,40 +29,39 @@ struct glances_asked {
 };
 
 /* A question to this process, until somebody has looked. */
-struct glances_due {
+struct probes_due {
     uint64_t number;
     char asker[MU_NAME_MAX + 1], agent[MU_NAME_MAX + 1];
     char line[MU_GLANCE_LINE_MAX + 1];
 };
 
-struct glances {
-    struct glances_asked asked[MU_GLANCES_EACH];
+struct probes {
+    struct probes_asked asked[MU_GLANCES_EACH];
     uint32_t count, unsent;
-    uint64_t numbers;                       /* given so far */
-    uint64_t incarnation;                   /* of the broker that they went to */
-    struct glances_due due[MU_GLANCES_MAX]; /* a ring: as many as the broker has under way */
+    uint64_t numbers;                      /* given so far */
+    uint64_t incarnation;                  /* of the broker that they went to */
+    struct probes_due due[MU_GLANCES_MAX]; /* a ring: as many as the broker has under way */
     uint32_t due_first, due_count;
     muster_Glance out[MU_GLANCES_EACH]; /* in the Up at hand */
 };
 
 /* Who answers, and who hears answers: a part of each agent. */
-struct glances_handlers {
+struct probes_handlers {
     /* Looks.  @return its end; text: what it shows, which stays until the next call */
-    enum glance_end (*look)(void *self, const char *line, const char **text);
+    enum probe_end (*look)(void *self, const char *line, const char **text);
     /* A question of this agent's has its end. */
-    void (*on_end)(void *self, uint64_t number, enum glance_end end, const char *text);
+    void (*on_end)(void *self, uint64_t number, enum probe_end end, const char *text);
     void *on_end_self;
 };
 
-/** Lets an agent answer glances; look gets the self of its handlers. */
-void glances_answer(mu_agent *a,
-                    enum glance_end (*look)(void *self, const char *line, const char **text));
+/** Lets an agent answer probes; look gets the self of its handlers. */
+void probes_answer(mu_agent *a,
+                   enum probe_end (*look)(void *self, const char *line, const char **text));
 
 /** Lets an agent hear what comes of its own. */
-void glances_hear(mu_agent *a,
-                  void (*on_end)(void *self, uint64_t number, enum glance_end end,
-                                 const char *text),
-                  void *self);
+void probes_hear(mu_agent *a,
+                 void (*on_end)(void *self, uint64_t number, enum probe_end end, const char *text),
+                 void *self);
 
 /**
  * Asks; every question has one end, unless the broker loses it.
@@ -72,25 +71,25 @@ void glances_hear(mu_agent *a,
  *         steps itself;
  *         MU_FULL: MU_GLANCES_EACH have no end yet
  */
-MU_MUST_USE mu_result glances_ask(mu_agent *a, const char *agent, const char *line,
-                                  uint64_t *number);
+MU_MUST_USE mu_result probes_ask(mu_agent *a, const char *agent, const char *line,
+                                 uint64_t *number);
 
 /** Keeps the questions of a Delivery, and hands over the answers in it. */
-void glances_take(mu_process *p, const muster_Delivery *d);
+void probes_take(mu_process *p, const muster_Delivery *d);
 
 /** Between two steps: answers the questions that were kept, as far as the network takes it. */
-void glances_look(mu_process *p);
+void probes_look(mu_process *p);
 
 /** Puts the questions that wait into an Up.  @return whether there are any */
-bool glances_fill(mu_process *p, muster_Up *up);
+bool probes_fill(mu_process *p, muster_Up *up);
 
 /** An Up is out: the questions in it are, too. */
-void glances_sent(mu_process *p, const muster_Up *up);
+void probes_sent(mu_process *p, const muster_Up *up);
 
 /** What went to a broker that is not ours any more is declined. */
-void glances_review(mu_process *p);
+void probes_review(mu_process *p);
 
 /** Of an agent that leaves nothing is asked any more. */
-void glances_forget(mu_agent *a);
+void probes_forget(mu_agent *a);
 
 #endif

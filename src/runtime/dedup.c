@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "runtime/taken.h"
+#include "runtime/dedup.h"
 
 #include "core/hash.h"
 #include "muster/limits.h"
 
 #include <string.h>
 
-_Static_assert(TAKEN_MAX > MU_WINDOW_MAX + 8, "a window, and directives beyond it");
+_Static_assert(DEDUP_MAX > MU_WINDOW_MAX + 8, "a window, and directives beyond it");
 
 /* As the broker's boxes have them: a directive has no priority. */
 static uint32_t queue_of(const muster_Mail *m)
@@ -26,9 +26,9 @@ static uint32_t life_of(const muster_Mail *m)
     return hash || m->since_wall_ns == 0 ? hash : 1;
 }
 
-void taken_clear(struct taken *t)
+void dedup_clear(struct dedup *t)
 {
-    for (uint32_t i = 0; i < TAKEN_QUEUES; i++) {
+    for (uint32_t i = 0; i < DEDUP_QUEUES; i++) {
         if (t->queues[i].mails[0].seq != 0) {
             memset(&t->queues[i], 0, sizeof t->queues[i]);
         }
@@ -38,19 +38,19 @@ void taken_clear(struct taken *t)
     }
 }
 
-void taken_add(struct taken *t, const muster_Mail *m)
+void dedup_add(struct dedup *t, const muster_Mail *m)
 {
     uint32_t queue = queue_of(m), next = t->queues[queue].next;
     t->queues[queue].mails[next].sender = sender_of(m);
     t->queues[queue].mails[next].life = life_of(m);
     t->queues[queue].mails[next].seq = m->seq;
-    t->queues[queue].next = (next + 1) % TAKEN_MAX;
+    t->queues[queue].next = (next + 1) % DEDUP_MAX;
 }
 
-bool taken_has(const struct taken *t, const muster_Mail *m)
+bool dedup_has(const struct dedup *t, const muster_Mail *m)
 {
     uint32_t sender = sender_of(m), life = life_of(m), queue = queue_of(m);
-    for (uint32_t i = 0; i < TAKEN_MAX; i++) {
+    for (uint32_t i = 0; i < DEDUP_MAX; i++) {
         uint32_t had = t->queues[queue].mails[i].life;
         bool same_life = had == life || had == 0 || life == 0;
         if (t->queues[queue].mails[i].seq == m->seq && t->queues[queue].mails[i].sender == sender &&
@@ -61,10 +61,10 @@ bool taken_has(const struct taken *t, const muster_Mail *m)
     return false;
 }
 
-void taken_leave(struct taken *t, uint64_t incarnation, uint64_t last_number)
+void dedup_leave(struct dedup *t, uint64_t incarnation, uint64_t last_number)
 {
     uint32_t i = 0;
-    while (i < TAKEN_BROKERS - 1 && t->brokers[i].incarnation != incarnation) {
+    while (i < DEDUP_BROKERS - 1 && t->brokers[i].incarnation != incarnation) {
         i++;
     }
     memmove(&t->brokers[1], &t->brokers[0], i * sizeof t->brokers[0]);
@@ -72,9 +72,9 @@ void taken_leave(struct taken *t, uint64_t incarnation, uint64_t last_number)
     t->brokers[0].last_number = last_number;
 }
 
-uint64_t taken_last_number(const struct taken *t, uint64_t incarnation)
+uint64_t dedup_last_number(const struct dedup *t, uint64_t incarnation)
 {
-    for (uint32_t i = 0; i < TAKEN_BROKERS; i++) {
+    for (uint32_t i = 0; i < DEDUP_BROKERS; i++) {
         if (t->brokers[i].incarnation == incarnation) {
             return t->brokers[i].last_number;
         }

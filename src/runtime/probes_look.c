@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Between two steps: agents answer lines that only look. */
-#include "runtime/glances.h"
+#include "runtime/probes.h"
 #include "runtime/process.h"
 
-static enum glance_end due_look(mu_process *p, const struct glances_due *due, const char **text)
+static enum probe_end due_look(mu_process *p, const struct probes_due *due, const char **text)
 {
     mu_agent *a = agent_find(p, due->agent);
     *text = "";
-    if (!a || a->state == MU_GONE || a->state == MU_MOVING || !a->glances.look) {
-        return GLANCE_DECLINED;
+    if (!a || a->state == MU_GONE || a->state == MU_MOVING || !a->probes.look) {
+        return PROBE_DECLINED;
     }
-    return a->glances.look(a->handlers.self, due->line, text);
+    return a->probes.look(a->handlers.self, due->line, text);
 }
 
 /* The text is in the Up until that is out; no step is lived, and nobody looks, before. */
-static void due_answer(mu_process *p, struct glances_due *due)
+static void due_answer(mu_process *p, struct probes_due *due)
 {
-    struct glances *g = &p->glances;
+    struct probes *g = &p->probes;
     const char *text;
-    enum glance_end end = due_look(p, due, &text);
+    enum probe_end end = due_look(p, due, &text);
     g->out[0] = (muster_Glance){.word = (muster_GlanceWord)end,
                                 .asker = due->asker,
                                 .number = due->number,
@@ -31,11 +31,11 @@ static void due_answer(mu_process *p, struct glances_due *due)
     (void)step_retry(p);
 }
 
-void glances_look(mu_process *p)
+void probes_look(mu_process *p)
 {
-    struct glances *g = &p->glances;
+    struct probes *g = &p->probes;
     while (g->due_count > 0 && step_retry(p)) {
-        struct glances_due *due = &g->due[g->due_first];
+        struct probes_due *due = &g->due[g->due_first];
         g->due_first = (g->due_first + 1) % MU_GLANCES_MAX;
         g->due_count--;
         due_answer(p, due);

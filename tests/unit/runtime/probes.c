@@ -14,12 +14,12 @@ static mu_process process;
 static mu_agent *red, *blue;
 static struct {
     uint64_t number;
-    enum glance_end end;
+    enum probe_end end;
     char text[32];
     unsigned count;
 } ended;
 
-static void on_end(void *self, uint64_t number, enum glance_end end, const char *text)
+static void on_end(void *self, uint64_t number, enum probe_end end, const char *text)
 {
     CU_ASSERT_PTR_EQUAL(self, &ended);
     ended.number = number;
@@ -34,7 +34,7 @@ static mu_agent *agent_join(const char *name)
     mu_agent *a;
     CU_ASSERT_EQUAL_FATAL(mu_agent_join(&process, &a, name, MU_KIND_AGENT, 0, &none), MU_OK);
     a->name_state = NAME_ACCEPTED;
-    glances_hear(a, on_end, &ended);
+    probes_hear(a, on_end, &ended);
     return a;
 }
 
@@ -51,7 +51,7 @@ static void set_up(void)
 static uint64_t ask(mu_agent *a)
 {
     uint64_t number = 0;
-    CU_ASSERT_EQUAL(glances_ask(a, "green", "(facts)", &number), MU_OK);
+    CU_ASSERT_EQUAL(probes_ask(a, "green", "(facts)", &number), MU_OK);
     return number;
 }
 
@@ -66,7 +66,7 @@ static void answer(const char *asker, uint64_t number, muster_GlanceWord word, c
     muster_Delivery d = {.broker_incarnation = 7};
     d.glances._buffer = &g;
     d.glances._length = 1;
-    glances_take(&process, &d);
+    probes_take(&process, &d);
 }
 
 static void test_question_and_answer(void)
@@ -75,24 +75,24 @@ static void test_question_and_answer(void)
     set_up();
     uint64_t first = ask(red), second = ask(blue);
     CU_ASSERT_TRUE(second > first);
-    CU_ASSERT_TRUE(glances_fill(&process, &up));
+    CU_ASSERT_TRUE(probes_fill(&process, &up));
     CU_ASSERT_EQUAL_FATAL(up.glances._length, 2);
     CU_ASSERT_STRING_EQUAL(up.glances._buffer[0].asker, "red");
     CU_ASSERT_STRING_EQUAL(up.glances._buffer[1].asker, "blue");
     CU_ASSERT_STRING_EQUAL(up.glances._buffer[1].text, "(facts)");
     answer("red", first, muster_GLANCE_DONE, "early"); /* to what nobody has heard yet */
     CU_ASSERT_EQUAL(ended.count, 0);
-    glances_sent(&process, &up);
-    CU_ASSERT_FALSE(glances_fill(&process, &up));
+    probes_sent(&process, &up);
+    CU_ASSERT_FALSE(probes_fill(&process, &up));
     answer("blue", first, muster_GLANCE_DONE, "of another's question");
     CU_ASSERT_EQUAL(ended.count, 0);
     answer("red", first, muster_GLANCE_DONE, "f-0");
     CU_ASSERT_EQUAL(ended.number, first);
-    CU_ASSERT_EQUAL(ended.end, GLANCE_DONE);
+    CU_ASSERT_EQUAL(ended.end, PROBE_DONE);
     CU_ASSERT_STRING_EQUAL(ended.text, "f-0");
     answer("red", first, muster_GLANCE_DONE, "again");
     CU_ASSERT_EQUAL(ended.count, 1);
-    CU_ASSERT_EQUAL(process.glances.count, 1);
+    CU_ASSERT_EQUAL(process.probes.count, 1);
 }
 
 /* While the network takes no Up, one who has asked leaves and another asks: what goes out then is
@@ -103,12 +103,12 @@ static void test_an_up_that_waits(void)
     set_up();
     (void)ask(red);
     (void)ask(blue);
-    CU_ASSERT_TRUE(glances_fill(&process, &up));
-    glances_forget(red);
-    CU_ASSERT_EQUAL(ended.end, GLANCE_DECLINED);
+    CU_ASSERT_TRUE(probes_fill(&process, &up));
+    probes_forget(red);
+    CU_ASSERT_EQUAL(ended.end, PROBE_DECLINED);
     uint64_t later = ask(blue);
-    glances_sent(&process, &up);
-    CU_ASSERT_TRUE(glances_fill(&process, &up));
+    probes_sent(&process, &up);
+    CU_ASSERT_TRUE(probes_fill(&process, &up));
     CU_ASSERT_EQUAL_FATAL(up.glances._length, 1);
     CU_ASSERT_EQUAL(up.glances._buffer[0].number, later);
 }
@@ -119,16 +119,16 @@ static void test_another_broker(void)
     muster_Up up = {.process = words("p1")};
     set_up();
     uint64_t out = ask(red);
-    CU_ASSERT_TRUE(glances_fill(&process, &up));
-    glances_sent(&process, &up);
+    CU_ASSERT_TRUE(probes_fill(&process, &up));
+    probes_sent(&process, &up);
     (void)ask(blue); /* has not gone out: the new broker is asked */
     process.link.incarnation = 8;
-    glances_review(&process);
+    probes_review(&process);
     CU_ASSERT_EQUAL(ended.count, 1);
     CU_ASSERT_EQUAL(ended.number, out);
-    CU_ASSERT_EQUAL(ended.end, GLANCE_DECLINED);
-    CU_ASSERT_EQUAL(process.glances.count, 1);
-    CU_ASSERT_TRUE(glances_fill(&process, &up));
+    CU_ASSERT_EQUAL(ended.end, PROBE_DECLINED);
+    CU_ASSERT_EQUAL(process.probes.count, 1);
+    CU_ASSERT_TRUE(probes_fill(&process, &up));
 }
 
 static void test_limit_questions(void)
@@ -138,14 +138,14 @@ static void test_limit_questions(void)
     for (int i = 0; i < MU_GLANCES_EACH; i++) {
         (void)ask(red);
     }
-    CU_ASSERT_EQUAL(glances_ask(blue, "green", "(facts)", &number), MU_FULL);
-    glances_forget(red);
+    CU_ASSERT_EQUAL(probes_ask(blue, "green", "(facts)", &number), MU_FULL);
+    probes_forget(red);
     CU_ASSERT_EQUAL(ended.count, MU_GLANCES_EACH);
     (void)ask(blue);
-    CU_ASSERT_EQUAL(glances_ask(blue, "green", "(assert (a))", &number), MU_REFUSED);
-    CU_ASSERT_EQUAL(glances_ask(blue, "no name", "(facts)", &number), MU_REFUSED);
+    CU_ASSERT_EQUAL(probes_ask(blue, "green", "(assert (a))", &number), MU_REFUSED);
+    CU_ASSERT_EQUAL(probes_ask(blue, "no name", "(facts)", &number), MU_REFUSED);
     blue->name_state = NAME_ASKED;
-    CU_ASSERT_EQUAL(glances_ask(blue, "green", "(facts)", &number), MU_FULL);
+    CU_ASSERT_EQUAL(probes_ask(blue, "green", "(facts)", &number), MU_FULL);
 }
 
 int main(void)
@@ -157,5 +157,5 @@ int main(void)
         {"limit: questions", test_limit_questions},
         CU_TEST_INFO_NULL,
     };
-    return suite_run("runtime/glances", tests);
+    return suite_run("runtime/probes", tests);
 }

@@ -19,7 +19,7 @@ static const uint64_t INCARNATION = 5;
 enum { SEAT = 7, STRANGER = 3 };
 
 static mu_process *process;
-static struct bus_writer delivery, circulars, beacon;
+static struct bus_writer delivery, multicasts, beacon;
 static uint64_t serial; /* of the last Delivery to the process */
 
 static struct {
@@ -87,10 +87,10 @@ static void deliver_verdict(const char *agent)
 
 static void deliver_mail(const char *agent, uint64_t number)
 {
-    muster_Parcel parcel = {
+    muster_Parcel item = {
         .box = words(agent), .number = number, .letter = letter("blue", number, agent, "hi")};
     muster_Delivery d = delivery_begin(process->name);
-    d.parcels._buffer = &parcel;
+    d.parcels._buffer = &item;
     d.parcels._length = d.parcels._maximum = 1;
     deliver(&d);
 }
@@ -108,7 +108,7 @@ static void circulate(uint64_t at, uint64_t number)
     d.numbers = (dds_sequence_unsigned_long_long){._length = 2, ._maximum = 2, ._buffer = numbers};
     d.letters._buffer = &mail;
     d.letters._length = d.letters._maximum = 1;
-    CU_ASSERT_EQUAL_FATAL(bus_write(&circulars, &d), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(bus_write(&multicasts, &d), MU_OK);
 }
 
 static void test_joining(void)
@@ -119,7 +119,7 @@ static void test_joining(void)
     CU_ASSERT_EQUAL_FATAL(mu_process_open(&process, &options), MU_OK);
     struct bus *bus = &process->bus;
     CU_ASSERT_EQUAL_FATAL(bus_writer_open(bus, BUS_BEACON, NULL, NULL, &beacon), MU_OK);
-    CU_ASSERT_EQUAL_FATAL(bus_writer_open(bus, BUS_DELIVERY, BUS_TO_ALL, NULL, &circulars), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(bus_writer_open(bus, BUS_DELIVERY, BUS_TO_ALL, NULL, &multicasts), MU_OK);
     CU_ASSERT_EQUAL_FATAL(mu_agent_join(process, &red, "red", MU_KIND_AGENT, 0, &handlers), MU_OK);
     muster_Beacon b = {.broker = words("alpha"),
                        .incarnation = INCARNATION,
@@ -212,7 +212,7 @@ int main(void)
         {"mail for an earlier tenant of a slot", test_mail_for_an_earlier_tenant_of_a_slot},
         CU_TEST_INFO_NULL,
     };
-    CU_SuiteInfo suites[] = {{"runtime/circular", begin, NULL, NULL, NULL, tests},
+    CU_SuiteInfo suites[] = {{"runtime/multicast", begin, NULL, NULL, NULL, tests},
                              CU_SUITE_INFO_NULL};
     return suites_run(suites);
 }
