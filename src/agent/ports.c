@@ -2,6 +2,7 @@
 /* The ports of a mind: what it can ask of its robot. */
 #include "agent/robot.h"
 #include "core/exits.h"
+#include "core/signals.h"
 #include "runtime/process.h"
 
 #include <stdio.h>
@@ -145,7 +146,7 @@ static void port_work(void *self)
 static int port_stuck(void *self, unsigned ms)
 {
     const struct robot *r = self;
-    if (process_is_told_to_end()) {
+    if (mu_signal_came) {
         return MU_EXIT_INTERRUPTED;
     }
     if (ms < STUCK_MS || !r->group->process) {

@@ -75,7 +75,7 @@ static struct mu_agent *place_take(mu_process *p)
         return NULL;
     }
     for (enum queue_kind kind = 0; kind < QUEUES; kind++) {
-        queue_remove(&p->queues[kind], kind, a);
+        queue_remove(a, kind);
     }
     if (agent_find(p, a->name) == a) {
         (void)mu_table_remove(&p->names, a->name);
@@ -183,11 +183,10 @@ struct mu_agent *agent_find(mu_process *p, const char *name)
 
 void agent_progress(struct mu_agent *a)
 {
-    struct queue *waits = &a->process->queues[QUEUE_WAIT];
     a->progress_ns = mu_clock_ns();
-    queue_remove(waits, QUEUE_WAIT, a);
+    queue_remove(a, QUEUE_WAIT);
     if (outbox_has_unanswered(&a->outbox)) {
-        queue_add(waits, QUEUE_WAIT, a);
+        queue_add(a, QUEUE_WAIT);
     }
 }
 
@@ -213,7 +212,7 @@ mu_result mu_agent_send(mu_agent *a, const struct mu_mail *mail, uint64_t *seq)
     }
     mu_result put = outbox_put(&a->outbox, a->name, mail);
     if (put == MU_OK && a->name_state == NAME_ACCEPTED) {
-        queue_add(&a->process->queues[QUEUE_SEND], QUEUE_SEND, a);
+        queue_add(a, QUEUE_SEND);
     }
     if (put == MU_OK && seq) {
         *seq = a->outbox.next_seq - 1;

@@ -13,7 +13,7 @@ void mu_agent_leave(mu_agent *a)
     a->part.ended = true; /* it lives on: nothing is disposed of */
     life_exit_on(a, EXIT_MOVES);
     for (enum queue_kind kind = 0; kind < QUEUES; kind++) {
-        queue_remove(&a->process->queues[kind], kind, a); /* nor is anything more to be said */
+        queue_remove(a, kind); /* nor is anything more to be said */
     }
     mu_agent_set_state(a, MU_GONE);
 }
@@ -56,7 +56,7 @@ static void agent_accepted(struct mu_agent *a, const muster_Verdict *v, bool aga
     }
     agent_progress(a);
     if (outbox_has_unsent(&a->outbox)) {
-        queue_add(&a->process->queues[QUEUE_SEND], QUEUE_SEND, a);
+        queue_add(a, QUEUE_SEND);
     }
 }
 
@@ -71,8 +71,8 @@ void agent_verdict(struct mu_agent *a, const muster_Verdict *v)
     if (v->accepted) {
         agent_accepted(a, v, was == NAME_ACCEPTED);
     } else {
-        queue_remove(&a->process->queues[QUEUE_SEND], QUEUE_SEND, a);
-        queue_remove(&a->process->queues[QUEUE_ACK], QUEUE_ACK, a);
+        queue_remove(a, QUEUE_SEND);
+        queue_remove(a, QUEUE_ACK);
     }
     bool is_news = a->name_state != was && !(v->accepted && was == NAME_ASKED_AGAIN);
     a->refusal = v->accepted ? MU_REFUSAL_NONE : (enum mu_refusal)v->code;

@@ -22,33 +22,18 @@ static enum mu_take answered(mu_agent *a, const struct mu_mail *mail, const char
 
 /* --- layer 1: the life of the agent ----------------------------------------------------------- */
 
-static enum mu_take change_state(mu_agent *a, const struct mu_mail *mail, enum life_event event)
+static enum mu_take take_life(void *self, mu_agent *a, const struct mu_mail *mail)
 {
-    /* Who directs a run is not suspended by those whom it directs. */
-    if (a->kind == MU_KIND_SPECIAL || life_next(a->state, event) != life_wanted(event)) {
+    (void)self;
+    enum life_event event;
+    bool known = life_event_named(mail->performative, &event) == MU_OK;
+    /* The agents of a run do not suspend the agent that directs it. */
+    if (!known || a->kind == MU_KIND_SPECIAL || life_next(a->state, event) != life_wanted(event)) {
         return MU_DECLINE;
     }
     (void)answered(a, mail, "agree", mail->performative);
     agent_live(a, event, mail->src);
     return MU_TAKEN;
-}
-
-static enum mu_take take_suspend(void *self, mu_agent *a, const struct mu_mail *mail)
-{
-    (void)self;
-    return change_state(a, mail, LIFE_SUSPEND);
-}
-
-static enum mu_take take_resume(void *self, mu_agent *a, const struct mu_mail *mail)
-{
-    (void)self;
-    return change_state(a, mail, LIFE_RESUME);
-}
-
-static enum mu_take take_dispose(void *self, mu_agent *a, const struct mu_mail *mail)
-{
-    (void)self;
-    return change_state(a, mail, LIFE_DISPOSE);
 }
 
 static enum mu_take take_move(void *self, mu_agent *a, const struct mu_mail *mail)
@@ -109,9 +94,9 @@ static enum mu_take take_services(void *self, mu_agent *a, const struct mu_mail 
 }
 
 static const struct mu_layer_handler base_handlers[] = {
-    {MU_LAYER_SYSTEM, "suspend", take_suspend},
-    {MU_LAYER_SYSTEM, "resume", take_resume},
-    {MU_LAYER_SYSTEM, "dispose", take_dispose},
+    {MU_LAYER_SYSTEM, "suspend", take_life},
+    {MU_LAYER_SYSTEM, "resume", take_life},
+    {MU_LAYER_SYSTEM, "dispose", take_life},
     {MU_LAYER_SYSTEM, "dispatch", take_move},
     {MU_LAYER_SYSTEM, "retract", take_move},
     {MU_LAYER_SYSTEM, "clone", take_move},

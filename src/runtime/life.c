@@ -3,22 +3,24 @@
 
 #include <string.h>
 
+/* clang-format off */
 /* The letters of the tables; X is a refusal. */
 enum {
     X = 255,
-    U = NAME_UNSAID,
-    F = NAME_FOLLOWS,
-    S = NAME_ASKED,
-    A = NAME_ACCEPTED,
-    N = NAME_ASKED_AGAIN,
+    U = NAME_UNSAID, F = NAME_FOLLOWS, S = NAME_ASKED, A = NAME_ACCEPTED, N = NAME_ASKED_AGAIN,
     R = NAME_REFUSED,
-    W = EXIT_LAST_WORDS,
-    M = EXIT_DEPARTING,
-    D = EXIT_DEPARTED,
-    L = EXIT_LEFT
+    W = EXIT_LAST_WORDS, M = EXIT_DEPARTING, D = EXIT_DEPARTED, L = EXIT_LEFT
 };
 
-/* clang-format off */
+static const unsigned char next_life[][LIFE_EVENTS] = {
+    /*                start          suspend        resume         dispose */
+    [MU_STANDBY]   = {MU_RUNNING,   MU_STANDBY,   MU_STANDBY,   MU_GONE},
+    [MU_RUNNING]   = {MU_RUNNING,   MU_SUSPENDED, MU_RUNNING,   MU_GONE},
+    [MU_SUSPENDED] = {MU_SUSPENDED, MU_SUSPENDED, MU_RUNNING,   MU_GONE},
+    [MU_MOVING]    = {MU_MOVING,    MU_MOVING,    MU_MOVING,    MU_GONE},
+    [MU_GONE]      = {MU_GONE,      MU_GONE,      MU_GONE,      MU_GONE},
+};
+
 static const unsigned char next_name[NAME_STATES][NAME_EVENTS] = {
     /*                    grant refusal written anew free */
     [NAME_UNSAID]      = {A,    X,      S,      U,   X},
@@ -71,29 +73,12 @@ bool life_is_elsewhere(const mu_agent *a)
 
 enum mu_state life_next(enum mu_state state, enum life_event event)
 {
-    if (event == LIFE_DISPOSE) {
-        return MU_GONE;
-    }
-    switch (state) {
-    case MU_STANDBY: return event == LIFE_START ? MU_RUNNING : state;
-    case MU_RUNNING: return event == LIFE_SUSPEND ? MU_SUSPENDED : state;
-    case MU_SUSPENDED: return event == LIFE_RESUME ? MU_RUNNING : state;
-    case MU_MOVING:
-    case MU_GONE: return state;
-    }
-    return state;
+    return (unsigned)state <= MU_GONE ? (enum mu_state)next_life[state][event] : state;
 }
 
 enum mu_state life_wanted(enum life_event event)
 {
-    switch (event) {
-    case LIFE_START:
-    case LIFE_RESUME: return MU_RUNNING;
-    case LIFE_SUSPEND: return MU_SUSPENDED;
-    case LIFE_DISPOSE:
-    case LIFE_EVENTS: break;
-    }
-    return MU_GONE;
+    return event == LIFE_DISPOSE ? MU_GONE : event == LIFE_SUSPEND ? MU_SUSPENDED : MU_RUNNING;
 }
 
 mu_result life_event_named(const char *performative, enum life_event *event)

@@ -68,8 +68,8 @@ void link_register(mu_process *p)
         if (life_is_leaving(a)) {
             life_exit_on(a, EXIT_SAID_ALL);
         }
-        queue_remove(&p->queues[QUEUE_SEND], QUEUE_SEND, a);
-        queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a); /* the new broker counts from 1 */
+        queue_remove(a, QUEUE_SEND);
+        queue_remove(a, QUEUE_ACK); /* the new broker counts from 1 */
     }
     ack_delay_clear(&p->ack_delay, mu_clock_ns());
     roll_mark_all(p);

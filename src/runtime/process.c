@@ -2,12 +2,12 @@
 #include "runtime/process.h"
 
 #include "core/clock.h"
+#include "core/signals.h"
 #include "core/text.h"
 #include "muster/kind.h"
 #include "muster/memory.h"
 
 #include <errno.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -533,28 +533,13 @@ mu_result mu_process_await_broker(mu_process *p, uint64_t patience_ns)
     return MU_OK;
 }
 
-static volatile sig_atomic_t signal_came;
-
-static void signal_note(int number)
-{
-    (void)number;
-    signal_came = 1;
-}
-
-bool process_is_told_to_end(void)
-{
-    return signal_came != 0;
-}
-
 mu_result mu_process_run(mu_process *p)
 {
-    struct sigaction note = {.sa_handler = signal_note};
-    sigaction(SIGINT, &note, NULL);
-    sigaction(SIGTERM, &note, NULL);
+    mu_signals_note();
     mu_result spun = MU_OK;
     bool ran = p->runs; /* a handler called this, and hears MU_BUSY */
     p->runs = true;
-    while (spun == MU_OK && !p->stopped && !signal_came) {
+    while (spun == MU_OK && !p->stopped && !mu_signal_came) {
         spun = mu_process_spin(p, (int64_t)HEARTBEAT_NS);
         if (p->round && spun == MU_OK) {
             p->round(p->round_self);

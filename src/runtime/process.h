@@ -247,9 +247,6 @@ void process_see_first(mu_process *p, bool (*sees)(const void *self, int64_t ste
 /** Handles what is there, and says what is to be said. */
 void process_turn(mu_process *p);
 
-/** @return whether a signal has come that mu_process_run ends for; in signal handlers, too */
-bool process_is_told_to_end(void);
-
 /**
  * For handlers that may take long: called now and then, it says in the white pages since when the
  * process has been busy, once that is half a second.  Sends nothing else, and waits for nothing.

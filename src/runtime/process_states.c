@@ -2,21 +2,15 @@
 /* The states of a process: in the simulator's steps, and of what it is about to say. */
 #include "runtime/process.h"
 
+/* clang-format off */
 /* The letters of the tables; X is a refusal. */
 enum {
     X = 255,
-    F = PROCESS_FREE,
-    G = PROCESS_GREETED,
-    R = PROCESS_READY,
-    S = PROCESS_STEPPING,
-    L = PROCESS_LIVED,
-    D = PROCESS_DONE,
-    N = UP_NONE,
-    A = UP_ANSWERING,
-    P = UP_PENDING
+    F = PROCESS_FREE, G = PROCESS_GREETED, R = PROCESS_READY, S = PROCESS_STEPPING,
+    L = PROCESS_LIVED, D = PROCESS_DONE,
+    N = UP_NONE, A = UP_ANSWERING, P = UP_PENDING
 };
 
-/* clang-format off */
 static const unsigned char next_steps[PROCESS_STEPS][STEP_EVENTS] = {
     /*                    greeting lock step free last matched unmatched lived over */
     [PROCESS_FREE]     = {G,       S,        F,   D,   X,      X,        X,    F},

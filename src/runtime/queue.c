@@ -3,8 +3,9 @@
 
 #include "runtime/process.h"
 
-void queue_add(struct queue *q, enum queue_kind kind, struct mu_agent *a)
+void queue_add(struct mu_agent *a, enum queue_kind kind)
 {
+    struct queue *q = &a->process->queues[kind];
     struct queue_link *link = &a->links[kind];
     if (link->in) {
         return;
@@ -18,8 +19,9 @@ void queue_add(struct queue *q, enum queue_kind kind, struct mu_agent *a)
     q->last = a;
 }
 
-void queue_remove(struct queue *q, enum queue_kind kind, struct mu_agent *a)
+void queue_remove(struct mu_agent *a, enum queue_kind kind)
 {
+    struct queue *q = &a->process->queues[kind];
     struct queue_link *link = &a->links[kind];
     if (!link->in) {
         return;

@@ -29,9 +29,9 @@ struct queue_link {
 };
 
 /** Puts an agent at the end, if it is not in the queue. */
-void queue_add(struct queue *q, enum queue_kind kind, struct mu_agent *a);
+void queue_add(struct mu_agent *a, enum queue_kind kind);
 
 /** Takes an agent out, if it is in. */
-void queue_remove(struct queue *q, enum queue_kind kind, struct mu_agent *a);
+void queue_remove(struct mu_agent *a, enum queue_kind kind);
 
 #endif

@@ -47,7 +47,7 @@ static bool item_take(struct mu_agent *a, const muster_Parcel *item)
         return false;
     }
     if (a->name_state != NAME_REFUSED) {
-        queue_add(&a->process->queues[QUEUE_ACK], QUEUE_ACK, a);
+        queue_add(a, QUEUE_ACK);
     }
     bool had = item->number <= a->last_number;
     if (!number_take(a, item->number)) {
@@ -317,7 +317,7 @@ static uint32_t acks_fill(mu_process *p)
     for (struct mu_agent *a = p->queues[QUEUE_ACK].first; a && count < p->acks_max; a = next) {
         next = a->links[QUEUE_ACK].next;
         if (a->acked_number == a->last_number) {
-            queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a);
+            queue_remove(a, QUEUE_ACK);
             continue;
         }
         if (a->name_state != NAME_ACCEPTED) {
@@ -432,7 +432,7 @@ static void act_sent(struct mu_agent *a, uint32_t mails, bool answer)
         agent_progress(a);
     }
     if (!outbox_has_unsent(&a->outbox)) {
-        queue_remove(&a->process->queues[QUEUE_SEND], QUEUE_SEND, a);
+        queue_remove(a, QUEUE_SEND);
     }
     a->speed.set = false;
     if (answer) { /* the simulator takes orders from nothing else */
@@ -461,7 +461,7 @@ bool step_retry(mu_process *p)
         struct mu_agent *a = p->out_ackers[i];
         a->acked_number = p->acks[i].number;
         if (a->acked_number == a->last_number) {
-            queue_remove(&p->queues[QUEUE_ACK], QUEUE_ACK, a);
+            queue_remove(a, QUEUE_ACK);
         }
     }
     transfers_sent(p, p->out.trips._length);
@@ -540,10 +540,10 @@ static void unanswered_again(mu_process *p)
     uint64_t now_ns = mu_clock_ns();
     while (waits->first && now_ns - waits->first->progress_ns > RESEND_NS) {
         struct mu_agent *a = waits->first;
-        queue_remove(waits, QUEUE_WAIT, a);
+        queue_remove(a, QUEUE_WAIT);
         outbox_again(&a->outbox);
         if (a->name_state == NAME_ACCEPTED) {
-            queue_add(&p->queues[QUEUE_SEND], QUEUE_SEND, a);
+            queue_add(a, QUEUE_SEND);
         }
     }
 }

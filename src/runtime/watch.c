@@ -2,12 +2,12 @@
 #include "runtime/watch.h"
 
 #include "core/clock.h"
+#include "core/signals.h"
 #include "core/text.h"
 #include "muster/memory.h"
 #include "runtime/process.h"
 
 #include <limits.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -54,20 +54,15 @@ struct mu_watch {
 
 /* --- phases ----------------------------------------------------------------------------------- */
 
+/* clang-format off */
 /* The letters of the table; X: that may not be. */
 enum {
     X = 255,
-    A = WATCH_AWAY,
-    M = WATCH_MET,
-    S = WATCH_SEEN,
-    o = WATCH_OVER_AWAY,
-    O = WATCH_OVER_MET,
-    E = WATCH_OVER_SEEN,
-    t = WATCH_TOLD_AWAY,
-    T = WATCH_TOLD_MET
+    A = WATCH_AWAY, M = WATCH_MET, S = WATCH_SEEN,
+    o = WATCH_OVER_AWAY, O = WATCH_OVER_MET, E = WATCH_OVER_SEEN,
+    t = WATCH_TOLD_AWAY, T = WATCH_TOLD_MET
 };
 
-/* clang-format off */
 static const unsigned char next_phase[WATCH_PHASES][WATCH_EVENTS] = {
     /*                   meets scene goes on ends leaves tells */
     [WATCH_AWAY]      = {M,    S,    A,      o,   A,     X},
@@ -375,21 +370,11 @@ mu_result mu_watch_spin(mu_watch *w, int64_t timeout_ns)
 
 /* --- alone ------------------------------------------------------------------------------------ */
 
-static volatile sig_atomic_t signal_came;
-
-static void signal_note(int number)
-{
-    (void)number;
-    signal_came = 1;
-}
-
 mu_result mu_watch_run(mu_watch *w)
 {
-    struct sigaction note = {.sa_handler = signal_note};
-    sigaction(SIGINT, &note, NULL);
-    sigaction(SIGTERM, &note, NULL);
+    mu_signals_note();
     mu_result spun = MU_OK;
-    while (spun == MU_OK && !w->stopped && !signal_came) {
+    while (spun == MU_OK && !w->stopped && !mu_signal_came) {
         spun = mu_watch_spin(w, ROUND_NS);
     }
     return spun < 0 || spun == MU_BUSY ? spun : MU_OK;

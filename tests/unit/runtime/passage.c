@@ -187,7 +187,7 @@ static void test_when_it_is_settled(void)
     item_take(&here, 1);
     CU_ASSERT_FALSE(mu_agent_is_settled(red)); /* not acknowledged */
     red->acked_number = red->last_number;
-    queue_remove(&here.queues[QUEUE_ACK], QUEUE_ACK, red);
+    queue_remove(red, QUEUE_ACK);
     here.up_state = UP_PENDING;
     CU_ASSERT_FALSE(mu_agent_is_settled(red)); /* the network has not taken the last Up */
     here.up_state = UP_NONE;
