@@ -43,7 +43,7 @@ const char *mu_outcome_text(enum mu_outcome outcome)
     return (unsigned)outcome < sizeof texts / sizeof texts[0] ? texts[outcome] : "unknown";
 }
 
-/* One of that name who has left gives it up: who comes now answers for it. */
+/* An agent of that name that is gone gives the name up to the one that comes now. */
 static void name_free(mu_process *p, const char *name)
 {
     struct mu_agent *holder = agent_find(p, name);
@@ -71,7 +71,7 @@ static struct mu_agent *place_take(mu_process *p)
         a++;
     }
     if (a == p->agents + p->agent_count ||
-        p->up_state == UP_PENDING) { /* what is pending speaks of it */
+        p->up_state == UP_PENDING) { /* the Up that waits names it */
         return NULL;
     }
     for (enum queue_kind kind = 0; kind < QUEUES; kind++) {
@@ -84,7 +84,7 @@ static struct mu_agent *place_take(mu_process *p)
     return a;
 }
 
-/* What comes from another program may be any number. */
+/* Another program may pass any number. */
 static bool kind_is_one(enum mu_kind kind)
 {
     return (unsigned)kind <= MU_KIND_SPECIAL;
@@ -262,7 +262,7 @@ mu_result agent_replay(struct mu_agent *a, uint64_t seq, const struct mu_mail *m
     if (!follows && a->outbox.first_seq != a->outbox.next_seq) {
         return MU_BUSY;
     }
-    if (!follows) { /* what waits would be numbered anew */
+    if (!follows) { /* mail that waits would be numbered anew */
         outbox_continue(&a->outbox, seq - 1);
     }
     if (seq != a->outbox.next_seq) {

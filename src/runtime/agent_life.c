@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What changes an agent's life: verdicts of the broker, directives, mail, its own program. */
+/* The life of an agent: verdicts of the broker, directives, mail, its own program. */
 #include "core/clock.h"
 #include "core/text.h"
 #include "muster/refusal.h"
@@ -18,7 +18,7 @@ void mu_agent_leave(mu_agent *a)
     mu_agent_set_state(a, MU_GONE);
 }
 
-/* What went out and has no answer may be lost, or may have reached its receiver. */
+/* Mail that went out and has no answer may be lost, or may have reached its receiver. */
 static void meet_other_broker(struct mu_agent *a, uint64_t incarnation)
 {
     dedup_leave(a->dedup, a->broker_incarnation, a->last_number);
@@ -29,7 +29,7 @@ static void meet_other_broker(struct mu_agent *a, uint64_t incarnation)
     a->earlier_end = a->outbox.next_seq;
 }
 
-/* The broker had lost it for a while, and perhaps what it sent then. */
+/* The broker had lost the agent for a while, and perhaps the mail that it sent then. */
 static void meet_broker_again(struct mu_agent *a)
 {
     outbox_again(&a->outbox);
@@ -60,8 +60,7 @@ static void agent_accepted(struct mu_agent *a, const muster_Verdict *v, bool aga
     }
 }
 
-/* Who is gone has nothing to do with the name any more; and a refusal before anybody was asked is
- * that of an earlier one of that name. */
+/* A refusal before the agent was registered is for an earlier agent of its name. */
 void agent_verdict(struct mu_agent *a, const muster_Verdict *v)
 {
     enum life_name was = a->name_state;
@@ -78,7 +77,7 @@ void agent_verdict(struct mu_agent *a, const muster_Verdict *v)
     a->refusal = v->accepted ? MU_REFUSAL_NONE : (enum mu_refusal)v->code;
     a->accepted_serial = a->process->inbox.serial;
     if ((was == NAME_REFUSED) == v->accepted) {
-        roll_mark(a); /* who comes later is not to hear of a name that was refused */
+        roll_mark(a); /* another broker is not to hear of a name that was refused */
     }
     if (is_news && a->exit == EXIT_PRESENT && a->handlers.on_registered) {
         a->handlers.on_registered(a->handlers.self, a, v->accepted, v->reason);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file answer.h
- * What an agent says in the answer to a step, as text: whoever is killed before it has gone out
+ * An agent's part of the answer to a step, as text: an agent that is killed before it has gone out
  * says it again in its next life.
  */
 #ifndef MUSTER_RUNTIME_ANSWER_H

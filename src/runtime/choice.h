@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file choice.h
- * The brokers that a process has heard of, and which of them it would go to.  Pure.
+ * The brokers that a process has heard of, and the choice of one.  Pure.
  */
 #ifndef MUSTER_RUNTIME_CHOICE_H
 #define MUSTER_RUNTIME_CHOICE_H

@@ -106,7 +106,7 @@ static void watch_tell(struct directory_watch *w, uint32_t line, const struct mu
     }
 }
 
-/* What handlers are given stays as it is, whatever they do. */
+/* The service that handlers get stays as it is, whatever they change. */
 static void watches_tell(struct directory *d, uint32_t line, bool there)
 {
     struct mu_service service = d->lines[line];

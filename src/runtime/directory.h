@@ -20,7 +20,7 @@ struct directory_watch {
     mu_agent *agent; /* NULL: free */
     char text[MU_QUERY_MAX + 1];
     struct mu_query query;
-    bool fresh;                                 /* has not been told who is there already */
+    bool fresh; /* has not been told of the services that are there */
     uint64_t told[(MU_SERVICES_MAX + 63) / 64]; /* a bit for each line */
 };
 
@@ -53,7 +53,8 @@ void directory_init(struct directory *d);
 /**
  * Forgets all: other pages will come.
  *
- * @param silently  standing queries are not told who goes: they will be told who is there
+ * @param silently  standing queries are not told of services that go: they will be told of all that
+ * are there
  */
 void directory_clear(struct directory *d, bool silently);
 
@@ -64,7 +65,7 @@ void directory_set_offer(struct directory *d, const muster_Offer *line);
 /** The standing queries of an agent that leaves end. */
 void directory_forget(struct directory *d, const mu_agent *a);
 
-/** Tells standing queries that are new who is there already. */
+/** Tells standing queries that are new of the services that are there. */
 void directory_settle(struct directory *d);
 
 /** @return whether a mail is the broker's answer to a change of the runtime's own; it is dealt with

@@ -15,7 +15,7 @@ static const char CHANGE_MARK[] = "muster change ";
 /* A hundred years; a broker takes no longer lease. */
 static const uint64_t LEASE_MAX_NS = 3200000000000000000u;
 
-/* Sends a change.  An answer is wanted by those alone who hear refusals. */
+/* Sends a change.  Only an agent that hears refusals wants an answer. */
 static mu_result change_send(mu_agent *a, const char *performative, const char *name,
                              const char *content)
 {

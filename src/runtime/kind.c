@@ -95,7 +95,7 @@ static bool is_personal(const struct mu_agent *a, const struct mu_mail *mail)
     return false;
 }
 
-/* What the runtime answers by itself: the first word of the answer's content is what was asked. */
+/* The runtime's own answer: its content begins with the word that was asked. */
 static void answer(struct mu_agent *a, const struct mu_mail *mail, const char *performative)
 {
     mu_result sent = mu_agent_reply(a, mail, performative, mail->performative);
@@ -165,7 +165,7 @@ void kind_follow(struct mu_agent *a)
         kind_event(a, a->part.beginning);
     }
     if (a->state == MU_STANDBY) {
-        a->part.begun = false; /* who is put back is started again */
+        a->part.begun = false; /* an agent that is put back is started again */
     } else if (a->part.created && !a->part.begun && a->state == MU_RUNNING) {
         a->part.begun = true;
         kind_event(a, MU_ON_RUN);

@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file kind.h
- * An agent's kind at work: who takes a mail, and which hook is called when.
+ * An agent's kind at work: which handler takes a mail, and when a hook is called.
  */
 #ifndef MUSTER_RUNTIME_KIND_H
 #define MUSTER_RUNTIME_KIND_H
 
 #include "muster/kind.h"
 
-/* What an agent keeps of its kind; all zero: of mu_base_kind, and nothing has happened yet. */
+/* The state of an agent's kind; all zero: of mu_base_kind, and nothing has happened yet. */
 struct kind_part {
     const struct mu_agent_kind *of;
     const struct mu_agent_kind *taking; /* whose handler runs; NULL: none */
     const struct mu_agent_kind *hooked; /* whose hook runs; NULL: none */
     enum mu_event event;                /* of that hook */
     bool created, begun, ended;         /* these hooks have been called */
-    enum mu_event beginning;            /* what comes first: MU_ON_CREATE, or how it came here */
+    enum mu_event beginning;            /* the first hook: MU_ON_CREATE, or that of its arrival */
 };
 
-/** Hands a mail of a layer to the kind, then to on_mail; answers what nobody takes. */
+/** Hands a mail of a layer to the kind, then to on_mail; answers mail that no handler takes. */
 void kind_mail(struct mu_agent *a, const struct mu_mail *mail);
 
 /** Says `not-understood`, unless the mail was no question to this very agent. */

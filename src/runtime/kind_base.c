@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What every agent can do, whatever its kind: a kind overrides a row by one of its own. */
+/* The abilities of every agent: a kind overrides a row by one of its own. */
 #include "core/text.h"
 #include "muster/directory.h"
 #include "runtime/kind.h"
@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/* Answers who wants an answer; for a mail to many that did not ask for one, silence will do. */
+/* Answers a mail, unless it went to many agents and asks for no answer. */
 static enum mu_take answered(mu_agent *a, const struct mu_mail *mail, const char *performative,
                              const char *content)
 {
@@ -58,7 +58,7 @@ static enum mu_take take_state(void *self, mu_agent *a, const struct mu_mail *ma
     return answered(a, mail, "inform", content);
 }
 
-/* Lists may be as long as a mail; what is longer lacks the names that do not fit. */
+/* A list is at most as long as a mail; names that do not fit are left out. */
 static char list[MU_CONTENT_MAX + 1];
 
 static enum mu_take take_groups(void *self, mu_agent *a, const struct mu_mail *mail)

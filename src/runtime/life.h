@@ -9,7 +9,7 @@
 
 #include "muster/agent.h"
 
-/* What can happen to an agent. */
+/* The events of an agent's life. */
 enum life_event { LIFE_START, LIFE_SUSPEND, LIFE_RESUME, LIFE_DISPOSE, LIFE_EVENTS };
 
 /** @return the state after an event; the same state when the event means nothing there */

@@ -9,15 +9,15 @@
 #include <stdio.h>
 #include <string.h>
 
-/* So long a process listens before it chooses, unless it hears of the best there can be. */
+/* A process listens so long before it chooses, unless it hears of the best broker there can be. */
 static const uint64_t SETTLE_NS = 100000000;
 
 /* A broker that has not answered for so long is asked again.  More than it waits for a name that
  * another process holds. */
 static const uint64_t ANSWER_NS = 2000000000;
 
-/* Who was not here for so long has missed heartbeats and listens for one more before it believes in
- * a silence. */
+/* A process that has not looked for so long has missed heartbeats: it listens for one more before
+ * it takes its broker for silent. */
 static const uint64_t ABSENCE_NS = 500000000;
 static const uint64_t HEARTBEAT_NS = 400000000;
 
@@ -53,7 +53,7 @@ static uint64_t incarnation_next(const mu_process *p)
     return wall_ns > p->incarnation ? wall_ns : p->incarnation + 1;
 }
 
-/* Last words that did not go out were for the earlier broker: who is leaving has left. */
+/* Last words that did not go out were for the earlier broker: agents that are leaving have left. */
 void link_register(mu_process *p)
 {
     if (p->steps == PROCESS_READY) {
@@ -75,9 +75,9 @@ void link_register(mu_process *p)
     roll_mark_all(p);
 }
 
-/* Says all agents.  A later life of the same broker answers of itself: it has heard them for the
- * first time.  Another broker may know them from before, and not have missed them: a higher
- * incarnation makes it answer, though it forgets what it had to tell them. */
+/* Registers all agents.  A later life of the same broker answers by itself: it hears of them for
+ * the first time.  Another broker may know them from before, and not have missed them: a higher
+ * incarnation makes it answer, but it forgets the news that it had for them. */
 static void agents_say(mu_process *p, bool anew, uint64_t now_ns)
 {
     p->incarnation = anew ? incarnation_next(p) : p->incarnation;
@@ -86,7 +86,7 @@ static void agents_say(mu_process *p, bool anew, uint64_t now_ns)
 }
 
 /* Goes to a broker: another one, or another life of the same.  An Up that has not gone out is put
- * together anew: the acknowledgements in it are of boxes that are no more. */
+ * together anew: its acknowledgements are for boxes of the earlier broker. */
 static mu_result broker_enter(mu_process *p, const char *name, uint64_t incarnation)
 {
     struct link *l = &p->link;

@@ -60,7 +60,7 @@ static void line_remove(struct members *m, uint32_t line)
     m->spare[m->spare_count++] = line;
 }
 
-/* Lets go of the line whose agent is absent longest.  @return whether there is one */
+/* Removes the line whose agent is absent longest.  @return whether there is one */
 static bool line_yield(struct members *m)
 {
     uint32_t longest = MU_NONE;

@@ -24,7 +24,7 @@ struct members {
     struct mu_table names;
 };
 
-/** Takes memory at start-up; what is not used of it stays untouched. */
+/** Takes memory at start-up; unused memory stays untouched. */
 void members_init(struct members *m);
 
 /** Forgets all: another broker has other pages. */

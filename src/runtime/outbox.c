@@ -97,7 +97,7 @@ static int64_t wire_due_ns(uint64_t due_ns)
     return due_ns < INT64_MAX ? (int64_t)due_ns : INT64_MAX;
 }
 
-/* What is none of these the broker would refuse, with all that the process says beside it. */
+/* @return whether the broker takes the mail's numbers; else it would refuse the whole Up */
 static bool numbers_fit(const struct mu_mail *mail)
 {
     return mail->priority >= MU_PRIORITY_LOW && mail->priority <= MU_PRIORITY_HIGH &&
@@ -254,7 +254,7 @@ void outbox_had(struct outbox *box, uint64_t first_seq, uint64_t last_seq)
     confirmed_drop(box);
 }
 
-/* @return what is left of a mail that is over: its number, which those behind it need */
+/* @return the rest of a mail that is over: its number, which the mails behind it need */
 static muster_Mail letter_spent(const muster_Mail *m)
 {
     static char none[1];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file outbox.h
- * What an agent has sent and the broker has not yet answered for.
+ * Mail that an agent has sent and the broker has not answered for.
  *
  * A ring of mails in order of seq, with their text in a ring of bytes.  Pure; one thread.
  */
@@ -95,12 +95,12 @@ void outbox_end(struct outbox *box, uint64_t first_seq, uint64_t last_seq);
  */
 void outbox_had(struct outbox *box, uint64_t first_seq, uint64_t last_seq);
 
-/** It is another broker, or another life of it: everything that is kept goes out again.  What was
- * had is to be had again; of a mail that is over, the number alone goes out, as one is missing. */
+/** For another broker, or another life of it: all mails that are kept go out again.  A mail that is
+ * over goes out as a number alone, so that no number is missing. */
 void outbox_to_other(struct outbox *box);
 
-/** Everything unanswered goes out again, marked as such if it was out: the broker may be another
- *  one, and the mail may have reached its receiver. */
+/** All mails without an answer go out again, marked (Mail.again) if they were out: the broker may
+ * be another one, and the mail may have reached its receiver. */
 void outbox_again(struct outbox *box);
 
 #endif

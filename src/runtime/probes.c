@@ -78,7 +78,7 @@ bool probes_fill(mu_process *p, muster_Up *up)
     return count > 0;
 }
 
-/* Of an Up that waited for the network a while: who asked may have left since, and others come.
+/* While an Up waits for the network, an asker may leave, and another may come.
  * @return NULL: it is no question any more */
 static struct probes_asked *unsent_of(struct probes *g, const muster_Glance *asked)
 {

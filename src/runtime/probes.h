@@ -11,7 +11,7 @@
 #include "muster/agent.h"
 #include "wire.h"
 
-/* What comes of a probe. */
+/* How a probe ends. */
 enum probe_end {
     PROBE_DONE = muster_GLANCE_DONE,         /* text is what the line shows */
     PROBE_FAILED = muster_GLANCE_FAILED,     /* text is why it shows nothing */
@@ -45,9 +45,9 @@ struct probes {
     muster_Glance out[MU_GLANCES_EACH]; /* in the Up at hand */
 };
 
-/* Who answers, and who hears answers: a part of each agent. */
+/* An agent's handlers of probes and of their answers. */
 struct probes_handlers {
-    /* Looks.  @return its end; text: what it shows, which stays until the next call */
+    /* Looks.  @return its end; text: the answer, which stays until the next call */
     enum probe_end (*look)(void *self, const char *line, const char **text);
     /* A question of this agent's has its end. */
     void (*on_end)(void *self, uint64_t number, enum probe_end end, const char *text);
@@ -58,7 +58,7 @@ struct probes_handlers {
 void probes_answer(mu_agent *a,
                    enum probe_end (*look)(void *self, const char *line, const char **text));
 
-/** Lets an agent hear what comes of its own. */
+/** Lets an agent hear how its own probes end. */
 void probes_hear(mu_agent *a,
                  void (*on_end)(void *self, uint64_t number, enum probe_end end, const char *text),
                  void *self);
@@ -86,7 +86,7 @@ bool probes_fill(mu_process *p, muster_Up *up);
 /** An Up is out: the questions in it are, too. */
 void probes_sent(mu_process *p, const muster_Up *up);
 
-/** What went to a broker that is not ours any more is declined. */
+/** Declines the questions that went to an earlier broker. */
 void probes_review(mu_process *p);
 
 /** Of an agent that leaves nothing is asked any more. */

@@ -20,24 +20,25 @@ static const uint64_t HEARTBEAT_NS = 300000000;
 /* While something has not matched yet, or the network is busy, look again this often. */
 static const int64_t IMPATIENT_NS = 2000000;
 
-/* While no broker has answered: what comes of it is a sample, which wakes us; time is looked at. */
+/* While no broker has answered, look at the time this often.  Its answer is a sample, and wakes us.
+ */
 static const int64_t EXPECTANT_NS = 20000000;
 
-/* So long both samples of a step, in lock step, are awaited together. */
+/* In lock step, a process waits so long for both samples of a step at once. */
 static const int64_t PAIR_NS = 50000000;
 
-/* How long a process waits for the network to take the last words of who leaves. */
+/* How long a process that ends waits for the network to take its last words. */
 static const int64_t CLOSE_PATIENCE_NS = 200000000;
 
-/* One that goes on gives them so long, now and then, and no longer once it hears of its broker
- * then: DDS awaits the word of a reader that was killed, too, until its lease ends.  Whoever asks
- * for the name meanwhile is not refused before that. */
+/* A process that goes on waits so long for an agent's last words, and no longer once it hears its
+ * broker: DDS waits for a reader that was killed until the lease of that ends.  The broker refuses
+ * nobody who asks for the name before that. */
 static const uint64_t LEAVE_PATIENCE_NS = 500000000;
 
-/* So much later than it is due something is looked at, if that saves a wake. */
+/* A look that is due may be so much late if that saves a wake. */
 static const uint64_t LATE_NS = 1000000;
 
-/* Handlers that run for longer are worth a word in the white pages. */
+/* The white pages show handlers that run for longer. */
 static const uint64_t BUSY_NS = 500000000;
 
 static mu_result endpoints_open(mu_process *p, const char *broker)
@@ -71,7 +72,7 @@ void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails)
         p->role == PROCESS_WATCH ? mu_startup_array(MU_ROBOTS_MAX, sizeof *p->bodies) : NULL;
     p->dedup = mu_startup_array(p->agents_max, sizeof *p->dedup);
     p->acts = mu_startup_array(acts, sizeof *p->acts);
-    /* An agent has the same room in a step whoever it shares the process with. */
+    /* An agent has the same room in a step, however many others share its process. */
     p->mails_max = process_takes_steps(p) ? p->agents_max * PROCESS_UP_MAILS : PROCESS_UP_MAILS;
     p->mails = mu_startup_array(p->mails_max, sizeof *p->mails);
     p->acks_max = p->agents_max > PROCESS_UP_ACKS ? p->agents_max : PROCESS_UP_ACKS;
@@ -130,19 +131,19 @@ mu_result mu_process_open(mu_process **out, const struct mu_process_options *opt
     return MU_OK;
 }
 
-/* @return whether the broker has what was written, or is not who DDS still waits for */
+/* @return whether the broker has all that was written, or DDS waits for another reader */
 static bool last_words_are_out(mu_process *p)
 {
-    /* A broker that lives has them soon, and no sample comes then that would wake us. */
+    /* A broker that lives has them soon, and then no sample comes that would wake us. */
     int64_t most_ns = p->leaving_ns ? EXPECTANT_NS : CLOSE_PATIENCE_NS;
     p->leaving_ns = p->leaving_ns ? p->leaving_ns : mu_clock_ns();
     return bus_drain(&p->up, most_ns) || bus_writer_matches(&p->up) == 0 ||
            p->link.lives_ns > p->leaving_ns + LEAVE_PATIENCE_NS;
 }
 
-/* Who is gone leaves the white pages when its last mails and acknowledgements are out, and the
- * broker has them: it takes no mail of who has left, and the next life must not get again what this
- * one took. */
+/* An agent that is gone leaves the white pages when the broker has its last mails and
+ * acknowledgements: the broker takes no mail from an agent that has left, and the agent's next life
+ * must not get the same mail again. */
 static void agents_leave(mu_process *p, bool closes)
 {
     if (!closes && (p->leaving == 0 || p->up_state == UP_PENDING)) {
@@ -178,7 +179,7 @@ void mu_process_close(mu_process *p)
         return; /* what DDS runs in is not copied by fork */
     }
     MU_ASSERT(!p->spins);
-    p->before_up = NULL; /* how they end is not what they come back as */
+    p->before_up = NULL; /* their state at the end is not the one to come back to */
     for (uint32_t i = 0; i < p->agent_count; i++) {
         kind_end(&p->agents[i]); /* the last mails go out with the rest */
     }
@@ -186,7 +187,7 @@ void mu_process_close(mu_process *p)
     for (uint32_t i = 0; i < p->agent_count; i++) {
         mu_agent_set_state(&p->agents[i], MU_GONE);
     }
-    step_flush(p); /* what was said in on_state */
+    step_flush(p); /* mail from on_state */
     agents_leave(p, true);
     roll_end(p);
     (void)bus_drain(&p->registration, CLOSE_PATIENCE_NS);
@@ -304,10 +305,10 @@ static uint64_t samples_wanted(const mu_process *p)
     return process_in_lockstep(p) && !p->transfers.prompt && !p->mail && !p->step ? 2 : 1;
 }
 
-/* Step and mail do not belong together: one of them is of an earlier lock step, whose simulator or
- * broker is gone.  That is the mail, if that of another step lies behind it; else the step, when
- * there is another one, or its writer is lost.
- * @return whether one of them has gone */
+/* Mends a pair of step and mail that do not belong together: one of them is of an earlier lock
+ * step, whose simulator or broker is gone.  Drops the mail if mail of another step lies behind it;
+ * else drops the step if there is another one, or its writer is lost.
+ * @return whether it has dropped one */
 static bool pair_mend(mu_process *p)
 {
     if (inbox_has_step_behind(p)) {
@@ -438,8 +439,9 @@ static bool may_lend(const mu_process *p)
            mu_process_broker(p) != NULL;
 }
 
-/* What opens, closes or waits is left to who lent the turn: another broker, somebody who leaves.
- * @return whether he may go on waiting, as long as he wanted to */
+/* Handles mail in the thread that brings it.  The thread that lent the turn does all that opens,
+ * closes or waits: it goes to another broker, or sees out an agent that leaves.
+ * @return whether that thread may go on waiting, as long as it wanted to */
 static bool turn_take(void *self)
 {
     mu_process *p = self;
@@ -450,8 +452,8 @@ static bool turn_take(void *self)
 
 /* --- spinning --------------------------------------------------------------------------------- */
 
-/* Whoever only looks while the mail of a step lies there already is a second sample.  While that is
- * late, because somebody else is, a first one may be his. */
+/* While the mail of a step lies there, a probe is a second sample.  While that mail is late,
+ * because another process is, the first sample may be a probe. */
 static void samples_await(mu_process *p, int64_t most_ns)
 {
     uint64_t wanted = samples_wanted(p);
@@ -502,7 +504,7 @@ static mu_result spin(mu_process *p, int64_t timeout_ns)
 mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
 {
     if (p->spins) {
-        return MU_BUSY; /* what is being handed out would be lost */
+        return MU_BUSY; /* the Delivery in hand would be lost */
     }
     if (p->pid != getpid()) {
         return MU_FAULT_USAGE;

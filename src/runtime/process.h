@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file process.h
- * What the parts of the runtime share: a process on the bus and the agents in it.
+ * A process on the bus and the agents in it, which the parts of the runtime share.
  */
 #ifndef MUSTER_RUNTIME_PROCESS_H
 #define MUSTER_RUNTIME_PROCESS_H
@@ -37,7 +37,7 @@ enum {
     PROCESS_RULES_MAX = 8 * 1024, /* names of fired rules, in bytes */
 };
 
-/* What an agent wants of the wheels of its body. */
+/* The speeds that an agent wants for its body. */
 struct agent_speed {
     bool set; /* in this step */
     double forward_m_s, turn_rad_s;
@@ -49,7 +49,7 @@ struct mu_agent {
     enum mu_kind kind;
     enum mu_state state;
     struct mu_handlers handlers;
-    struct kind_part part; /* what its kind has come to */
+    struct kind_part part; /* the state of its kind */
     struct resolver resolver;
     struct probes_handlers probes;
     returns_handler *on_return;    /* NULL: nobody is told */
@@ -64,7 +64,7 @@ struct mu_agent {
     uint32_t box_mails;            /* which holds so many mails, */
     uint64_t box_bytes;            /* of so many bytes; 0: the broker's own limit */
     uint64_t broker_incarnation;   /* of the broker that has accepted it; 0: none yet */
-    uint64_t accepted_serial;      /* of the Delivery that has said so last, or what came before */
+    uint64_t accepted_serial;      /* of the Delivery that has said so last, or of one before it */
     struct queue_link links[QUEUES];
     enum life_exit exit;      /* EXIT_PRESENT until it is MU_GONE */
     enum mu_state last_state; /* which its registration has while it is leaving */
@@ -90,7 +90,7 @@ struct mu_agent {
     uint32_t act;        /* where it stands in the Up that is being put together */
 };
 
-/* What a process is there for; mu_process_open fixes it. */
+/* The purpose of a process; mu_process_open fixes it. */
 enum process_role {
     PROCESS_PLAIN,
     PROCESS_BODY,  /* the simulator's steps move its agents' bodies */
@@ -155,7 +155,7 @@ struct mu_process {
     pid_t pid;               /* that opened it: a child has no threads of DDS */
     bool spins;              /* in mu_process_spin, and so in handlers */
     bool runs;               /* in mu_process_run */
-    uint64_t looks_ns;       /* until then who has lent the turn waits */
+    uint64_t looks_ns;       /* the thread that has lent the turn waits until then */
     struct mu_agent *agents; /* agents_max of them; one that has left keeps its place */
     uint32_t agents_max, agent_count;
     struct mu_table names;                 /* of agents */
@@ -190,7 +190,7 @@ struct mu_process {
     atomic_bool stopped;
     void (*round)(void *self); /* after each round of mu_process_run; NULL: nobody */
     void *round_self;
-    void (*before_up)(void *self); /* what the agents did is about to go out; NULL: nobody */
+    void (*before_up)(void *self); /* the agents' actions are about to go out; NULL: nobody */
     void *before_up_self;
     bool (*sees)(const void *self, int64_t step); /* process_see_first; NULL: nothing is awaited */
     const void *sees_self;
@@ -244,7 +244,7 @@ void process_before_up(mu_process *p, void (*before)(void *self), void *self);
 void process_see_first(mu_process *p, bool (*sees)(const void *self, int64_t step),
                        const void *self);
 
-/** Handles what is there, and says what is to be said. */
+/** Handles all that has come, and sends all that is due. */
 void process_turn(mu_process *p);
 
 /**
@@ -273,7 +273,7 @@ void agent_progress(struct mu_agent *a);
  */
 MU_MUST_USE mu_result agent_replay(struct mu_agent *a, uint64_t seq, const struct mu_mail *mail);
 
-/** What a directive, or a mail of that word, does to its life.  @param by  who sent it */
+/** Applies a directive, or a mail of that word, to its life.  @param by  the sender */
 void agent_live(struct mu_agent *a, enum life_event event, const char *by);
 
 /** Carries out a directive, or hands it to the agent. */
@@ -309,7 +309,7 @@ void step_flush(mu_process *p);
 /** Sends words about agents on their way, between the steps of a lock step. */
 void step_say_transfers(mu_process *p);
 
-/** Tries again to send what the network refused.  @return whether nothing is pending any more */
+/** Tries again to send an Up that the network refused.  @return whether none is pending */
 bool step_retry(mu_process *p);
 
 #endif

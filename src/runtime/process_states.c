@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The states of a process: in the simulator's steps, and of what it is about to say. */
+/* The states of a process: in the simulator's steps, and of the Up that it puts together. */
 #include "runtime/process.h"
 
 /* clang-format off */

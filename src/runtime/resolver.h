@@ -9,7 +9,7 @@
 #include "muster/kind.h"
 #include "muster/resolver.h"
 
-/* What an agent keeps of it; all zero: it resolves nothing. */
+/* An agent's resolver; all zero: it resolves nothing. */
 struct resolver {
     char scheme[MU_NAME_MAX + 1];
     mu_resolve resolve;
@@ -17,10 +17,10 @@ struct resolver {
     bool due; /* the broker is still to be told */
 };
 
-/** A broker has accepted the agent that did not know it: it is to know what the agent resolves. */
+/** Tells a broker that has just accepted the agent which addresses the agent resolves. */
 void resolver_offer(mu_agent *a);
 
-/** The outbox has room again: what did not go in before does now. */
+/** The outbox has room again: tells the broker if that did not go in before. */
 void resolver_retry(mu_agent *a);
 
 /** Takes the broker's question, a handler of every kind. */

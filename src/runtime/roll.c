@@ -39,8 +39,8 @@ void roll_refresh(mu_process *p)
 
 static muster_State state_of(const struct mu_agent *a)
 {
-    /* Who was refused says that it does not want the name any more: it may have asked once more
-     * before it heard of that, and would be given what nobody takes. */
+    /* An agent that was refused gives the name up: it may have asked once more before it heard of
+     * the refusal, and would get a name that it does not use. */
     if (a->name_state == NAME_REFUSED || a->name_state == NAME_FOLLOWS) {
         return muster_STATE_ABSENT;
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file roll.h
- * What the process says of its agents: a part for each 64 of them, written when it has changed.
+ * The registration of a process's agents: a part for each 64, written when it has changed.
  */
 #ifndef MUSTER_RUNTIME_ROLL_H
 #define MUSTER_RUNTIME_ROLL_H
@@ -26,7 +26,8 @@ void roll_mark_all(mu_process *p);
 /** Part 0 is to be written, so that the broker hears that the process lives. */
 void roll_refresh(mu_process *p);
 
-/** Writes what is to be written, when a broker is known; what the network refuses stays. */
+/** Writes the parts that are due, when a broker is known; a part that the network refuses stays
+ * due. */
 void roll_write(mu_process *p);
 
 /** Takes all parts back. */

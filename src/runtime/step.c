@@ -350,7 +350,8 @@ static muster_Act act_of(struct mu_agent *a, bool answer)
     bool runs = a->state == MU_RUNNING;
     return (muster_Act){.agent = a->name,
                         .state = (muster_State)a->state,
-                        .drives = runs ? a->speed.set : true, /* who does not run stands still */
+                        .drives = runs ? a->speed.set
+                                       : true, /* an agent that does not run stands still */
                         .forward_m_s = runs ? a->speed.forward_m_s : 0.0,
                         .turn_rad_s = runs ? a->speed.turn_rad_s : 0.0,
                         .paddles = runs ? (int32_t)a->paddles : 0,
@@ -364,7 +365,7 @@ static muster_Act act_of(struct mu_agent *a, bool answer)
                         .diary = answer && a->note.at ? a->note.at : none};
 }
 
-/* What is in the Up that is being put together, and what may still go in. */
+/* The content of the Up that is being put together, and the room that is left in it. */
 struct up_load {
     bool answer; /* to a step */
     uint32_t acts, mails;
@@ -576,7 +577,8 @@ void step_flush(mu_process *p)
 {
     directory_settle(&p->directory);
     if (!step_retry(p)) {
-        return; /* what is pending is marked as sent when it has gone, so it must not move before */
+        return; /* mail of a pending Up is marked as sent when that has gone: it must not move
+                   before */
     }
     unanswered_again(p);
     if (is_anything_to_say(p)) {

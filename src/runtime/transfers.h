@@ -23,15 +23,15 @@ struct transfers {
     struct transfer_word words[TRANSFERS_OUT_MAX];
     muster_Trip out[TRANSFERS_OUT_MAX];
     uint32_t count;
-    bool prompt;    /* mail is not held for the next step: somebody may come at any time */
-    bool under_way; /* nor now: an agent of the process is on its way */
+    bool prompt;    /* mail never waits for the next step: an agent may come at any time */
+    bool under_way; /* mail does not wait now: an agent of the process is on its way */
     void *self;     /* of these; NULL: nobody */
     void (*on_word)(void *self, const muster_Trip *word);
-    void (*on_step_end)(void *self); /* before it is answered: what is said goes with the answer, */
+    void (*on_step_end)(void *self); /* before it is answered: words go with the answer, */
     void (*on_answered)(void *self); /* and after that */
 };
 
-/** Who hears the words that come, and of the ends of steps; mail is handed over as it comes. */
+/** Sets the handlers of words and of the ends of steps; mail is handed over as it comes. */
 void transfers_listen(mu_process *p, const struct transfers *listener);
 
 /**
@@ -42,19 +42,19 @@ void transfers_listen(mu_process *p, const struct transfers *listener);
  */
 MU_MUST_USE mu_result transfers_say(mu_process *p, const muster_Trip *word);
 
-/** An agent of the process is on its way: what the broker says is not to wait for a step. */
+/** An agent of the process is on its way: the broker's words do not wait for a step. */
 void transfers_set_under_way(mu_process *p, bool under_way);
 
 /** Puts the words that wait into an Up.  @return whether there are any */
 bool transfers_fill(mu_process *p, muster_Up *up);
 
-/** So many of them, the first, are out. */
+/** The first count words are out. */
 void transfers_sent(mu_process *p, uint32_t count);
 
 /** @return how many bytes of text wait with the words that are not out */
 size_t transfers_bytes(const mu_process *p);
 
-/** Hands over those that have come. */
+/** Hands over the words of a Delivery. */
 void transfers_take(mu_process *p, const muster_Delivery *d);
 
 /** @return whether a step is to be expected soon */

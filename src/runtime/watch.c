@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A Scene is there before Frames are; who never gets one sees Frames all the same after this. */
+/* A Scene comes before Frames; a watch without a Scene shows Frames after this time. */
 static const uint64_t SCENE_PATIENCE_NS = 1000000000;
 
 /* The last Frames of a run that is over come within this, or not at all. */
@@ -35,7 +35,7 @@ struct mu_watch {
     struct watch_room *room;
     char simulator[MU_PROCESS_MAX + 1]; /* whose Scene was the last */
     enum watch_phase phase;
-    bool announced;   /* whoever waits for it knows that it sees a run */
+    bool announced;   /* the program that waits for it knows that it sees a run */
     uint64_t met_ns;  /* since when a simulator is here */
     int64_t step;     /* of the last Frame; STEPS_NONE */
     uint64_t time_ns; /* simulated, of that Frame */
@@ -101,7 +101,7 @@ static bool end_is_due(const mu_watch *w)
 
 /* --- opening ---------------------------------------------------------------------------------- */
 
-/* A simulator hears of them in this order: who has its Scene is sent its Frames. */
+/* A simulator hears of them in this order: it sends Frames to a watch that has its Scene. */
 static mu_result readers_open(mu_watch *w, bool latest)
 {
     MU_TRY(latest
@@ -117,7 +117,7 @@ static bool has_seen(const void *self, int64_t step)
     return step == STEPS_NONE ? has_scene(w) : w->step >= step;
 }
 
-/* Agents that take part in steps act on what they have seen of the run. */
+/* Agents that take part in steps act on the Frames that they have seen. */
 static void steps_hold(mu_watch *w, bool latest)
 {
     if (w->process && w->process->role == PROCESS_WATCH && w->process->steps < PROCESS_READY &&
@@ -226,7 +226,7 @@ static void status_take(mu_watch *w, const muster_RunStatus *s)
     (void)mu_text_copy(w->reason, sizeof w->reason, w->end == MU_RUN_FAULT ? s->waits_for : "");
 }
 
-/* Whoever started this process beside a run may wait for the word that it sees the run. */
+/* The program that started this process may wait for the word that it sees the run. */
 static void ready_tell(mu_watch *w)
 {
     const char *name = getenv("MUSTER_READY");
@@ -309,7 +309,7 @@ static bool end_look(mu_watch *w)
 {
     bool here = simulator_is_here(w);
     if (!here && w->phase != WATCH_AWAY) {
-        statuses_look(w); /* what it said last came while the Frames were looked at */
+        statuses_look(w); /* its last status came while the Frames were looked at */
     }
     bool whole = is_over(w) && w->step >= w->last_step;
     bool late = is_over(w) && mu_clock_ns() - w->over_ns > END_PATIENCE_NS;
@@ -348,7 +348,7 @@ static mu_result spin(mu_watch *w, int64_t timeout_ns)
     frames_look(w, FRAMES_NS);
     if (w->process && w->process->sees) {
         w->process->spins = true;
-        process_turn(w->process); /* a step may have waited for what was seen just now */
+        process_turn(w->process); /* a step may have waited for these Frames */
         w->process->spins = false;
     }
     return end_look(w) ? MU_DONE : MU_OK;

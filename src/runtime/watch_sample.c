@@ -3,7 +3,7 @@
 #include "runtime/letter.h"
 #include "runtime/watch.h"
 
-/* What a sample has more of than the border lets through is bounded here once more. */
+/* The border bounds what a sample holds; here it is bounded once more. */
 struct watch_room {
     struct mu_scene scene;
     struct mu_frame frame;
