@@ -103,7 +103,6 @@ POINTERS = {
     "tap_watch_look()": (1, "a filter of topics"),
     "struct topic": (1, "the table of topics: rules of the wire"),
     "struct metric": (1, "the table of counters: each reads its own"),
-    "struct journal_source": (2, "the journal writes lines of tables that it does not know"),
     "struct trust_pages": (2, "the policy asks for groups and roles"),
     "struct mu_fault_listener": (1, "a program writes faults in its own log"),
     "struct console_edit_hooks": (3, "the line editor asks for prompt and completions"),

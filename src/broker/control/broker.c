@@ -66,7 +66,6 @@ struct broker *broker_open(const struct broker_options *options)
     dispatch_set_interval(b, options->delivery_interval_ns);
     remote_init(&b->federation);
     journal_init(&b->journal, options->has_store);
-    notify_attach_journal(b);
     b->mailbox.base = options->number_base;
     broker_enlist(b, options);
     return b;

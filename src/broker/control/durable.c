@@ -78,7 +78,7 @@ static void marks_clear(struct broker *b)
     while (j->agents_count > 0) {
         b->registry.agents[j->agents[--j->agents_count]].unsaved = false;
     }
-    for (int i = 0; i < JOURNAL_LINE_KINDS; i++) {
+    for (int i = 0; i < LINES_KINDS; i++) {
         struct journal_slots *s = &j->slots[i];
         s->reset = false;
         while (s->count > 0) {
@@ -213,10 +213,18 @@ static bool restore_mail(struct broker *b, const struct journal_entry *e)
     return true;
 }
 
+static bool line_take(struct broker *b, enum lines_kind lines, const struct line_word *l)
+{
+    struct said said = view_said(b);
+    bool taken = lines_merge(journal_table(b, lines), l, &said, clock_mail_ns(&b->clock)) == MU_OK;
+    notify_tell(b);
+    return taken;
+}
+
 static bool restore_line(struct broker *b, const struct journal_entry *e)
 {
-    const struct journal_line *l = &e->line;
-    if ((unsigned)e->lines >= JOURNAL_LINE_KINDS || !b->journal.slots[e->lines].source) {
+    const struct line_word *l = &e->line;
+    if ((unsigned)e->lines >= LINES_KINDS || !b->journal.slots[e->lines].marked) {
         return false;
     }
     struct journal_slots *s = &b->journal.slots[e->lines];
@@ -225,7 +233,7 @@ static bool restore_line(struct broker *b, const struct journal_entry *e)
                  (l->agent[0] == '\0' || mu_name_valid(l->agent)) &&
                  validate_string(l->attributes, MU_ATTRIBUTES_MAX) &&
                  validate_string(l->origin, MU_FIELD_MAX) && l->stamp_ns <= JOURNAL_NUMBER_MAX &&
-                 s->source->restore(b, l);
+                 line_take(b, e->lines, l);
     s->reset = s->reset || taken;
     return taken;
 }

@@ -19,21 +19,25 @@
 
 struct broker;
 
-/* --- groups.c -------------------------------------------------------------------------------- */
+/* --- lines.c --------------------------------------------------------------------------------- */
 
 /*
- * Who is a member of what: a bounded table of lines, one for each group and each of its members.
+ * A bounded table of lines, each of which somebody has said of a key and an agent: that an agent is
+ * a member of a group, that a group is there ("" for the agent), that an agent offers a service.
  *
- * A line says what was said last, by stamp, then by the broker's name: lines of several brokers can
- * be merged in any order.  A line that says "no longer" stays, so that older word is known to be
+ * The youngest word counts, by stamp, then by the broker's name: lines of several brokers can be
+ * merged in any order.  A line that says "no longer" stays, so that older word is known to be
  * older and every process is told, until the table needs its place.
  *
  * Every change moves its line to the end of `changes`: that is where whoever keeps lines elsewhere
  * (processes, a disk, other brokers) finds what is new, each by the version that it has had.
  *
- * In lock step there are two views.  What takes effect at the end of a step is seen by all; what
- * is said by the wall clock, outside the run, is not seen inside, where each line stays as it was.
+ * In lock step there are two views of groups.  What takes effect at the end of a step is seen by
+ * all; what is said by the wall clock, outside the run, is not seen inside, where each line stays
+ * as it was.
  */
+
+enum lines_kind { LINES_GROUPS, LINES_SERVICES, LINES_KINDS };
 
 /* When something was said, and to whom. */
 struct said {
@@ -42,54 +46,103 @@ struct said {
     bool inside;        /* takes effect at the end of a step of the lock step */
 };
 
-struct group_line {
-    bool joined;        /* of the group's own line: it is there, even without members */
-    bool joined_inside; /* as it is seen in lock step */
+/* A line as processes, disks and other brokers have it. */
+struct line_word {
+    const char *key;        /* the group, the service */
+    const char *agent;      /* "": the line is of the group alone */
+    bool present;           /* false: joined no more, withdrawn */
+    const char *attributes; /* "" when it has none */
+    const char *origin;     /* the broker that it was said to */
+    uint64_t lease_ns, stamp_ns;
+};
+
+struct line {
+    bool holds;        /* of the group's own line: it is there, even without members */
+    bool holds_inside; /* as it is seen in lock step */
     uint64_t stamp_ns;
     char origin[MU_NAME_MAX + 1];
 };
 
-struct groups {
-    struct mu_pairs pairs; /* (group, agent); the group's own line has no agent */
-    struct group_line *lines;
-    struct changelog changes;
-    uint32_t count;                   /* groups that have lines */
-    uint32_t groups_now, members_now; /* of whom it holds, outside; for the counters */
-    uint64_t told; /* everybody has had the changes up to this version: see groups_full */
+/* What a line of services has besides. */
+struct line_offer {
+    uint64_t lease_ns; /* from stamp_ns on; 0: until withdrawn */
+    uint64_t until_ns; /* mail clock; UINT64_MAX: until withdrawn */
+    char attributes[MU_ATTRIBUTES_MAX + 1];
 };
 
-void groups_init(struct groups *g);
+struct subscriptions;
 
-/* Changes.  Names are checked here.  @return NULL, or why not: one word */
+struct lines {
+    struct mu_pairs pairs; /* (key, agent) */
+    struct line *at;
+    struct line_offer *offers; /* NULL: groups, which have none of these: */
+    struct mu_pairs by_agent;  /* (agent, key) */
+    uint32_t *line_of;         /* by index of by_agent */
+    struct changelog changes;
+    struct subscriptions *told_to; /* who has been told of lines; NULL: nobody */
+    uint32_t keys, keys_max;       /* keys that have lines */
+    uint32_t keys_now, now;        /* own lines of groups, and others, that hold outside */
+    uint64_t soonest_ns;           /* no lease ends before this */
+    uint64_t told; /* everybody has had the changes up to this version: see lines_full */
+    uint64_t seen; /* the version that everybody was woken for */
+    uint64_t open; /* the version that the open Delivery leads to */
+};
 
-const char *groups_create(struct groups *g, const char *group, const struct said *said);
-const char *groups_join(struct groups *g, const char *group, const char *agent,
-                        const struct said *said);
-const char *groups_leave(struct groups *g, const char *group, const char *agent,
-                         const struct said *said);
+/** @return how many lines a table of that kind has room for */
+uint32_t lines_capacity(enum lines_kind kind);
+
+/** Takes memory at start-up. */
+void lines_init(struct lines *l, enum lines_kind kind);
+
+/** @return the line, made if it is not there; MU_NONE: full */
+uint32_t lines_get(struct lines *l, const char *key, const char *agent);
+
+/** Notes whether a line holds, and moves it to the end of the changes. */
+void lines_say(struct lines *l, uint32_t line, bool holds, const struct said *said);
+
+/** Sets what a line of services offers.  @param left_ns  what is left of the lease at mail_ns */
+void lines_offer(struct lines *s, uint32_t line, const char *attributes, uint64_t lease_ns,
+                 uint64_t left_ns, uint64_t mail_ns);
 
 /**
  * Takes in a line of another broker, or one that was kept on a disk.
  *
- * @param inside  members of the lock step are to see it
+ * @param said     now: what is left of a lease is counted from its stamp to said->stamp_ns
+ * @param mail_ns  now
  * @return MU_OK; MU_EXISTS: a younger one, or this one, is there; MU_FULL; MU_MALFORMED
  */
-mu_result groups_merge(struct groups *g, const muster_Membership *line, bool inside);
+mu_result lines_merge(struct lines *l, const struct line_word *word, const struct said *said,
+                      uint64_t mail_ns);
 
 /** @return whether a line may have to make room: set `told` before the next change */
-bool groups_full(const struct groups *g);
+bool lines_full(const struct lines *l);
+
+/** @return a line, with pointers into the table */
+struct line_word lines_word(const struct lines *l, uint32_t line, bool inside);
+
+/* --- groups.c -------------------------------------------------------------------------------- */
+
+/* Who is a member of what. */
+
+/* Changes.  Names are checked here.  @return NULL, or why not: one word */
+
+const char *groups_create(struct lines *g, const char *group, const struct said *said);
+const char *groups_join(struct lines *g, const char *group, const char *agent,
+                        const struct said *said);
+const char *groups_leave(struct lines *g, const char *group, const char *agent,
+                         const struct said *said);
 
 /** A lock step begins: inside, everything is seen as it is now. */
-void groups_freeze(struct groups *g);
+void groups_freeze(struct lines *g);
 
 /** An agent enters the lock step: its lines are seen there as they are now. */
-void groups_enter(struct groups *g, const char *agent);
+void groups_enter(struct lines *g, const char *agent);
 
 /** @return whether there is such a group */
-bool groups_exists(const struct groups *g, const char *group, bool inside);
+bool groups_exists(const struct lines *g, const char *group, bool inside);
 
 /** @return whether the agent is a member of the group */
-bool groups_has(const struct groups *g, const char *group, const char *agent, bool inside);
+bool groups_has(const struct lines *g, const char *group, const char *agent, bool inside);
 
 /**
  * Goes through the members of a group in order of name.
@@ -97,46 +150,18 @@ bool groups_has(const struct groups *g, const char *group, const char *agent, bo
  * @param place  0 at first; kept up to date
  * @return the next member's name, or NULL
  */
-const char *groups_member(const struct groups *g, const char *group, bool inside, uint32_t *place);
+const char *groups_member(const struct lines *g, const char *group, bool inside, uint32_t *place);
 
 /** Goes through the groups in order of name, likewise. */
-const char *groups_name(const struct groups *g, bool inside, uint32_t *place);
-
-/** Fills a line with pointers into the table. */
-void groups_line(const struct groups *g, uint32_t line, bool inside, muster_Membership *out);
+const char *groups_name(const struct lines *g, bool inside, uint32_t *place);
 
 /* --- services.c ------------------------------------------------------------------------------ */
 
 /*
- * The yellow pages: a bounded table of lines (service, agent), each with attributes and a lease.
- *
- * Last word, tombstones and changes are as in groups.h.  A lease counts on the mail clock, which
- * in lock step is simulated; when it is over, the line is as if withdrawn.  Whether an offer is
- * shown depends on its agent, too: that is the caller's to know.
+ * The yellow pages.  A lease counts on the mail clock, which in lock step is simulated; when it is
+ * over, the line is as if withdrawn.  Whether an offer is shown depends on its agent, too: that is
+ * the caller's to know.
  */
-
-struct service_line {
-    bool offered;
-    uint64_t stamp_ns;
-    uint64_t lease_ns; /* from stamp_ns on; 0: until withdrawn */
-    uint64_t until_ns; /* mail clock; UINT64_MAX: until withdrawn */
-    char origin[MU_NAME_MAX + 1];
-    char attributes[MU_ATTRIBUTES_MAX + 1];
-};
-
-struct subscriptions;
-
-struct services {
-    struct mu_pairs pairs; /* (service, agent) */
-    struct service_line *lines;
-    struct mu_pairs by_agent; /* (agent, service) */
-    uint32_t *line_of;        /* by index of by_agent */
-    struct changelog changes;
-    struct subscriptions *told_to; /* who has been told of lines; NULL: nobody */
-    uint32_t offers_now;           /* for the counters */
-    uint64_t soonest_ns;           /* no lease ends before this */
-    uint64_t told;                 /* as in groups.h */
-};
 
 /* What is offered. */
 struct offer {
@@ -145,35 +170,17 @@ struct offer {
     uint64_t mail_ns; /* now */
 };
 
-void services_init(struct services *s);
-
 /** @return NULL, or why not: one word */
-const char *services_advertise(struct services *s, const char *service, const char *agent,
+const char *services_advertise(struct lines *s, const char *service, const char *agent,
                                const struct offer *offer, const struct said *said);
-const char *services_withdraw(struct services *s, const char *service, const char *agent,
+const char *services_withdraw(struct lines *s, const char *service, const char *agent,
                               const struct said *said);
 
-/**
- * Takes in a line of another broker, or from a disk.
- *
- * @param said     now: what is left of a lease is counted from its stamp to said->stamp_ns
- * @param mail_ns  now
- * @return MU_OK; MU_EXISTS: a younger one, or this one, is there; MU_FULL; MU_MALFORMED
- */
-mu_result services_merge(struct services *s, const muster_Offer *line, const struct said *said,
-                         uint64_t mail_ns);
-
-/** @return whether a line may have to make room: set `told` before the next change */
-bool services_full(const struct services *s);
-
 /** Ends the leases that are over. */
-void services_expire(struct services *s, uint64_t mail_ns);
+void services_expire(struct lines *s, uint64_t mail_ns);
 
 /** Something else about an agent has changed: its lines are news to everybody. */
-void services_touch(struct services *s, const char *agent);
-
-/** Fills a line with pointers into the table; shown: the agent is there. */
-void services_line(const struct services *s, uint32_t line, bool shown, muster_Offer *out);
+void services_touch(struct lines *s, const char *agent);
 
 /* --- subscriptions.c ------------------------------------------------------------------------- */
 
@@ -234,7 +241,7 @@ void subscriptions_forget(struct subscriptions *s, uint32_t line);
  * Groups and services among the other parts of the broker: who is shown what, and who is told.
  *
  * A service is shown while its agent is not absent and its lease is not over.  To members of a lock
- * step only services of members are shown, and groups as groups.h says: what others do by the wall
+ * step only services of members are shown, and groups as lines.c says: what others do by the wall
  * clock changes nothing inside.
  */
 
@@ -244,12 +251,9 @@ struct process;
 enum { PAGES_MEMBERSHIPS = 4096, PAGES_OFFERS = 1024 };
 
 struct pages {
-    struct groups groups;
-    struct services services;
+    struct lines groups, services;
     struct subscriptions subscriptions;
-    uint64_t groups_seen, services_seen; /* the versions that everybody was woken for */
-    uint64_t groups_open, services_open; /* the versions that the open Delivery leads to */
-    muster_Membership *memberships;      /* of the open Delivery */
+    muster_Membership *memberships; /* of the open Delivery */
     muster_Offer *offers;
     bool asked_inside; /* a policy asks because of a directive from inside the lock step */
 };

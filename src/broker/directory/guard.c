@@ -132,7 +132,7 @@ static bool in_group(void *self, const char *group, const char *name)
 static bool has_role(void *self, const char *role, const char *name)
 {
     const struct broker *b = self;
-    const struct services *s = &b->pages.services;
+    const struct lines *s = &b->pages.services;
     char text[sizeof "* role=" + MU_NAME_MAX];
     struct mu_text t;
     struct mu_query query;
@@ -148,7 +148,7 @@ static bool has_role(void *self, const char *role, const char *name)
         uint32_t line = s->line_of[turned];
         if (view_shows(b, line, inside) &&
             mu_attributes_match(&query, mu_pairs_first(&s->pairs, line),
-                                s->lines[line].attributes)) {
+                                s->offers[line].attributes)) {
             return true;
         }
     }

@@ -15,8 +15,8 @@
 void view_init(struct pages *p)
 {
     *p = (struct pages){0};
-    groups_init(&p->groups);
-    services_init(&p->services);
+    lines_init(&p->groups, LINES_GROUPS);
+    lines_init(&p->services, LINES_SERVICES);
     subscriptions_init(&p->subscriptions);
     p->services.told_to = &p->subscriptions;
     /* In lock step one Delivery holds everything. */
@@ -33,8 +33,8 @@ bool view_inside(const struct broker *b, uint32_t agent)
 
 bool view_shows(const struct broker *b, uint32_t line, bool inside)
 {
-    const struct services *s = &b->pages.services;
-    if (!s->lines[line].offered) {
+    const struct lines *s = &b->pages.services;
+    if (!s->at[line].holds) {
         return false;
     }
     uint32_t agent = registry_find(&b->registry, mu_pairs_second(&s->pairs, line));
@@ -65,7 +65,7 @@ static void told_update(struct broker *b)
 
 struct said view_said(struct broker *b)
 {
-    if (groups_full(&b->pages.groups) || services_full(&b->pages.services)) {
+    if (lines_full(&b->pages.groups) || lines_full(&b->pages.services)) {
         told_update(b);
     }
     return (struct said){
@@ -83,12 +83,13 @@ uint64_t view_deadline_mail_ns(const struct broker *b)
 /* What was said in a lock step has a stamp of the run, and a lease that counts its time. */
 uint64_t view_lease_ns(const struct broker *b, uint32_t line)
 {
-    const struct service_line *l = &b->pages.services.lines[line];
+    const struct line *at = &b->pages.services.at[line];
+    const struct line_offer *l = &b->pages.services.offers[line];
     uint64_t wall_ns = clock_wall_ns(b), mail_ns = clock_mail_ns(&b->clock);
-    if (l->lease_ns == 0 || l->until_ns == UINT64_MAX || !l->offered) {
+    if (l->lease_ns == 0 || l->until_ns == UINT64_MAX || !at->holds) {
         return l->lease_ns;
     }
-    uint64_t age_ns = wall_ns > l->stamp_ns ? wall_ns - l->stamp_ns : 0;
+    uint64_t age_ns = wall_ns > at->stamp_ns ? wall_ns - at->stamp_ns : 0;
     uint64_t left_ns = l->until_ns > mail_ns ? l->until_ns - mail_ns : 1;
     return age_ns < INT64_MAX && left_ns < INT64_MAX - age_ns ? age_ns + left_ns : INT64_MAX;
 }
@@ -100,34 +101,36 @@ void view_forget_told(struct process *at)
     at->groups_had = at->services_had = 0;
 }
 
-static void memberships_fill(struct broker *b, const struct process *at, muster_Delivery *d)
+static void memberships_fill(struct lines *g, const struct process *at, muster_Delivery *d)
 {
-    struct pages *p = &b->pages;
-    const struct changelog *c = &p->groups.changes;
     uint32_t max = at->rostered ? MU_MEMBERSHIPS_MAX : PAGES_MEMBERSHIPS;
-    p->groups_open = at->groups_had;
-    for (uint32_t line = changelog_after(c, at->groups_had);
-         line != MU_NONE && d->memberships._length < max; line = changelog_next(c, line)) {
-        groups_line(&p->groups, line, at->rostered,
-                    &d->memberships._buffer[d->memberships._length++]);
-        p->groups_open = changelog_version(c, line);
+    for (uint32_t line = changelog_after(&g->changes, at->groups_had);
+         line != MU_NONE && d->memberships._length < max;
+         line = changelog_next(&g->changes, line)) {
+        struct line_word w = lines_word(g, line, at->rostered);
+        d->memberships._buffer[d->memberships._length++] = (muster_Membership){
+            sample_text(w.key), sample_text(w.agent), w.present, w.stamp_ns, sample_text(w.origin)};
+        g->open = changelog_version(&g->changes, line);
     }
 }
 
 static void offers_fill(struct broker *b, const struct process *at, muster_Delivery *d)
 {
-    struct pages *p = &b->pages;
-    const struct changelog *c = &p->services.changes;
+    struct lines *s = &b->pages.services;
     uint32_t max = at->rostered ? MU_SERVICES_MAX : PAGES_OFFERS;
-    p->services_open = at->services_had;
-    for (uint32_t line = changelog_after(c, at->services_had);
-         line != MU_NONE && d->offers._length < max; line = changelog_next(c, line)) {
+    for (uint32_t line = changelog_after(&s->changes, at->services_had);
+         line != MU_NONE && d->offers._length < max; line = changelog_next(&s->changes, line)) {
         /* Another broker sees for itself whom it shows. */
-        muster_Offer *offer = &d->offers._buffer[d->offers._length++];
-        services_line(&p->services, line, at->is_broker || view_shows(b, line, at->rostered),
-                      offer);
-        offer->lease_ns = at->is_broker ? view_lease_ns(b, line) : offer->lease_ns;
-        p->services_open = changelog_version(c, line);
+        struct line_word w = lines_word(s, line, at->rostered);
+        d->offers._buffer[d->offers._length++] =
+            (muster_Offer){.service = sample_text(w.key),
+                           .agent = sample_text(w.agent),
+                           .offered = at->is_broker ? w.present : view_shows(b, line, at->rostered),
+                           .attributes = sample_text(w.attributes),
+                           .lease_ns = at->is_broker ? view_lease_ns(b, line) : w.lease_ns,
+                           .stamp_ns = w.stamp_ns,
+                           .origin = sample_text(w.origin)};
+        s->open = changelog_version(&s->changes, line);
     }
 }
 
@@ -136,10 +139,10 @@ void view_fill(struct broker *b, const struct process *at, muster_Delivery *d)
     struct pages *p = &b->pages;
     d->memberships._buffer = p->memberships;
     d->offers._buffer = p->offers;
-    p->groups_open = at->groups_had;
-    p->services_open = at->services_had;
+    p->groups.open = at->groups_had;
+    p->services.open = at->services_had;
     if (view_place_is_told(at)) {
-        memberships_fill(b, at, d);
+        memberships_fill(&p->groups, at, d);
         offers_fill(b, at, d);
     }
     d->memberships._maximum = d->memberships._length;
@@ -155,15 +158,15 @@ bool view_has_told(const struct broker *b, const struct process *at)
 
 void view_delivered(struct broker *b, struct process *at)
 {
-    at->groups_had = b->pages.groups_open;
-    at->services_had = b->pages.services_open;
+    at->groups_had = b->pages.groups.open;
+    at->services_had = b->pages.services.open;
 }
 
 uint32_t view_resolver(const struct broker *b, const char *dst)
 {
     char text[MU_QUERY_MAX + 1];
     struct mu_query query;
-    const struct services *s = &b->pages.services;
+    const struct lines *s = &b->pages.services;
     const struct mu_pairs *pairs = &s->pairs;
     snprintf(text, sizeof text, "resolver scheme=%.*s", (int)strcspn(dst, ":"), dst);
     if (mu_attributes_query(&query, text) != MU_OK) {
@@ -174,7 +177,7 @@ uint32_t view_resolver(const struct broker *b, const char *dst)
         uint32_t agent = registry_find(&b->registry, mu_pairs_second(pairs, line));
         /* Who lives at another broker answers to that one. */
         if (agent != MU_NONE && b->registry.agents[agent].is.home[0] == '\0' &&
-            mu_attributes_match(&query, "resolver", s->lines[line].attributes) &&
+            mu_attributes_match(&query, "resolver", s->offers[line].attributes) &&
             view_shows(b, line, b->lockstep.on)) {
             return agent;
         }

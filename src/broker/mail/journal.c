@@ -15,6 +15,12 @@ void journal_init(struct journal *j, bool on)
         j->agents = mu_startup_array(REGISTRY_MAX, sizeof *j->agents);
         j->buckets = mu_startup_array(JOURNAL_BUCKETS, sizeof *j->buckets);
         j->text = mu_startup_alloc(JOURNAL_WAITING_BYTES);
+        for (int i = 0; i < LINES_KINDS; i++) {
+            struct journal_slots *s = &j->slots[i];
+            uint32_t capacity = lines_capacity((enum lines_kind)i);
+            s->marked = mu_startup_array(capacity, sizeof *s->marked);
+            s->is_marked = mu_startup_array(capacity, sizeof *s->is_marked);
+        }
     }
 }
 
@@ -208,20 +214,15 @@ void journal_seq(struct broker *b, uint32_t agent)
     }
 }
 
-void journal_attach(struct broker *b, enum journal_lines lines, const struct journal_source *source)
+struct lines *journal_table(struct broker *b, enum lines_kind lines)
 {
-    struct journal_slots *s = &b->journal.slots[lines];
-    if (b->journal.on) {
-        s->source = source;
-        s->marked = mu_startup_array(source->capacity, sizeof *s->marked);
-        s->is_marked = mu_startup_array(source->capacity, sizeof *s->is_marked);
-    }
+    return lines == LINES_GROUPS ? &b->pages.groups : &b->pages.services;
 }
 
-void journal_line_changed(struct broker *b, enum journal_lines lines, uint32_t slot)
+void journal_line_changed(struct broker *b, enum lines_kind lines, uint32_t slot)
 {
     struct journal_slots *s = &b->journal.slots[lines];
-    if (s->source && !s->is_marked[slot]) {
+    if (s->marked && !s->is_marked[slot]) {
         s->is_marked[slot] = true;
         s->marked[s->count++] = slot;
     }
@@ -239,7 +240,7 @@ static bool something_is_marked(const struct broker *b)
 {
     const struct journal *j = &b->journal;
     bool marked = j->first || j->agents_count || j->run_wall_ns != journal_run_wall_ns(b);
-    for (int i = 0; i < JOURNAL_LINE_KINDS; i++) {
+    for (int i = 0; i < LINES_KINDS; i++) {
         marked = marked || j->slots[i].count || j->slots[i].reset;
     }
     for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
@@ -345,10 +346,22 @@ static bool next_mail(struct broker *b, struct journal_entry *e)
     return true;
 }
 
+/* @return a line with its lease as others count it; no key: the slot is free */
+static struct line_word line_kept(struct broker *b, enum lines_kind lines, uint32_t slot)
+{
+    const struct lines *table = journal_table(b, lines);
+    struct line_word word = {.key = NULL};
+    if (changelog_version(&table->changes, slot) > 0) {
+        word = lines_word(table, slot, false);
+        word.lease_ns = lines == LINES_SERVICES ? view_lease_ns(b, slot) : 0;
+    }
+    return word;
+}
+
 static bool next_line(struct broker *b, struct journal_entry *e)
 {
     struct journal *j = &b->journal;
-    for (; j->at.lines < JOURNAL_LINE_KINDS; j->at.lines++, j->at.line = 0, j->at.begun = false) {
+    for (; j->at.lines < LINES_KINDS; j->at.lines++, j->at.line = 0, j->at.begun = false) {
         struct journal_slots *s = &j->slots[j->at.lines];
         e->lines = j->at.lines;
         if (s->reset && !j->at.begun) {
@@ -359,9 +372,7 @@ static bool next_line(struct broker *b, struct journal_entry *e)
         if (j->at.line < s->count) {
             e->kind = JOURNAL_LINE;
             e->slot = s->marked[j->at.line++];
-            if (!s->source->line(b, e->slot, &e->line)) {
-                e->line = (struct journal_line){.key = NULL};
-            }
+            e->line = line_kept(b, e->lines, e->slot);
             return true;
         }
     }

@@ -233,27 +233,6 @@ enum {
 /* No row, stamp or incarnation of a broker goes so far; what stands in a file may. */
 #define JOURNAL_NUMBER_MAX ((uint64_t)INT64_MAX / 2)
 
-/* Lines of other parts: each part numbers its own from 0. */
-enum journal_lines { JOURNAL_GROUPS, JOURNAL_SERVICES, JOURNAL_LINE_KINDS };
-
-struct journal_line {
-    const char *key;        /* the group, the service */
-    const char *agent;      /* "": the line is of the key alone */
-    bool present;           /* false: joined no more, withdrawn */
-    const char *attributes; /* "" when it has none */
-    const char *origin;     /* the broker that it was said to */
-    uint64_t lease_ns, stamp_ns;
-};
-
-/* A part that has lines. */
-struct journal_source {
-    uint32_t capacity; /* its slots */
-    /** Fills a line with pointers into the part.  @return false: the slot is free */
-    bool (*line)(struct broker *b, uint32_t slot, struct journal_line *out);
-    /** Takes in a line of an earlier life, at any slot.  @return false: it does not fit */
-    bool (*restore)(struct broker *b, const struct journal_line *line);
-};
-
 enum journal_kind {
     JOURNAL_AGENT,    /* name, kind, durable_seq, failed_seq, reserved_seq */
     JOURNAL_MAIL,     /* row, letter, waiting, expires_wall_ns */
@@ -275,18 +254,17 @@ struct journal_entry {
     muster_Mail letter;
     const char *waiting;      /* names, joined by commas; behind a slash, pool_mail_standing */
     uint64_t expires_wall_ns; /* nanoseconds since 1970; 0: never */
-    enum journal_lines lines;
+    enum lines_kind lines;
     uint32_t slot;
-    struct journal_line line;
+    struct line_word line;
     uint64_t run_wall_ns; /* when the run's time was 0; 0: no run goes on by the wall */
     uint64_t epoch;
     const char *snapshot; /* of that agent; "": it has none any more */
 };
 
 struct journal_slots {
-    const struct journal_source *source; /* NULL: nobody has such lines */
-    uint32_t *marked;
-    bool *is_marked; /* for each slot */
+    uint32_t *marked; /* NULL: nothing is kept */
+    bool *is_marked;  /* for each slot */
     uint32_t count;
     bool reset; /* lines of an earlier life are still on disk */
 };
@@ -295,7 +273,7 @@ struct journal_slots {
 struct journal_cursor {
     uint32_t agent;
     struct mail *mail;
-    enum journal_lines lines;
+    enum lines_kind lines;
     uint32_t line;
     uint32_t snapshot;
     bool clock_done, begun;
@@ -311,7 +289,7 @@ struct journal {
     struct mail *first, *last; /* mails that are marked, in order of routing */
     uint32_t *agents;          /* marked names: REGISTRY_MAX */
     uint32_t agents_count;
-    struct journal_slots slots[JOURNAL_LINE_KINDS];
+    struct journal_slots slots[LINES_KINDS];
     uint64_t run_wall_ns;  /* as it is on disk */
     struct mail **buckets; /* durable mails by sender and number: JOURNAL_BUCKETS */
     struct journal_cursor at;
@@ -361,12 +339,11 @@ void journal_enter(struct journal *j, struct mail *m);
 /** @return a durable mail that waits, or NULL */
 struct mail *journal_find(const struct journal *j, uint32_t sender, uint64_t seq);
 
-/** A part will have lines.  Takes memory at start-up; source must stay. */
-void journal_attach(struct broker *b, enum journal_lines lines,
-                    const struct journal_source *source);
+/** @return the groups or the services */
+struct lines *journal_table(struct broker *b, enum lines_kind lines);
 
 /** A line has changed, come or gone. */
-void journal_line_changed(struct broker *b, enum journal_lines lines, uint32_t slot);
+void journal_line_changed(struct broker *b, enum lines_kind lines, uint32_t slot);
 
 /* --- for whoever has the disk ----------------------------------------------------------------- */
 

@@ -158,23 +158,21 @@ static void receipt_take(struct broker *b, const struct peer *p, const muster_Re
 static void lines_take(struct broker *b, const muster_Delivery *d)
 {
     struct said said = view_said(b);
-    struct said by_the_wall = {.stamp_ns = clock_wall_ns(b), .origin = said.origin};
+    uint64_t mail_ns = clock_mail_ns(&b->clock);
+    said.stamp_ns = clock_wall_ns(b);
     for (uint32_t i = 0; i < d->memberships._length; i++) {
         const muster_Membership *m = &d->memberships._buffer[i];
-        if (m->group && m->agent && m->origin &&
-            groups_merge(&b->pages.groups, m, said.inside) != MU_MALFORMED) {
-            continue;
-        }
-        b->counters.malformed++;
+        struct line_word w = {m->group, m->agent, m->joined, "", m->origin, 0, m->stamp_ns};
+        b->counters.malformed += !w.key || !w.agent || !w.origin ||
+                                 lines_merge(&b->pages.groups, &w, &said, mail_ns) == MU_MALFORMED;
     }
     for (uint32_t i = 0; i < d->offers._length; i++) {
         const muster_Offer *o = &d->offers._buffer[i];
-        if (o->service && o->agent && o->origin && o->attributes &&
-            services_merge(&b->pages.services, o, &by_the_wall, clock_mail_ns(&b->clock)) !=
-                MU_MALFORMED) {
-            continue;
-        }
-        b->counters.malformed++;
+        struct line_word w = {o->service, o->agent,    o->offered, o->attributes,
+                              o->origin,  o->lease_ns, o->stamp_ns};
+        b->counters.malformed +=
+            !w.key || !w.agent || !w.origin || !w.attributes ||
+            lines_merge(&b->pages.services, &w, &said, mail_ns) == MU_MALFORMED;
     }
     notify_tell(b);
 }

@@ -17,8 +17,8 @@ enum { LOG_PAGES_MAX = 4096 };
 /* So long nothing must have been written for the log to be copied in a quiet moment. */
 static const uint64_t QUIET_NS = 1000000000;
 
-const char *const disk_line_words[JOURNAL_LINE_KINDS] = {
-    [JOURNAL_GROUPS] = "group", [JOURNAL_SERVICES] = "service"};
+const char *const disk_line_words[LINES_KINDS] = {
+    [LINES_GROUPS] = "group", [LINES_SERVICES] = "service"};
 
 /* --- rows ------------------------------------------------------------------------------------- */
 

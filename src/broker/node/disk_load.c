@@ -45,10 +45,10 @@ static void read_line(struct reading *r, struct journal_entry *e)
 {
     e->kind = JOURNAL_LINE;
     const char *kind = read_text(r);
-    e->lines = JOURNAL_LINE_KINDS;
-    for (unsigned i = 0; i < JOURNAL_LINE_KINDS; i++) {
+    e->lines = LINES_KINDS;
+    for (unsigned i = 0; i < LINES_KINDS; i++) {
         if (strcmp(disk_line_words[i], kind) == 0) {
-            e->lines = (enum journal_lines)i;
+            e->lines = (enum lines_kind)i;
         }
     }
     e->slot = (uint32_t)read_number(r);

@@ -60,8 +60,8 @@ struct disk {
     uint64_t wrote_ns;
 };
 
-/** The words for lines in the store, one for each enum journal_lines. */
-extern const char *const disk_line_words[JOURNAL_LINE_KINDS];
+/** The words for lines in the store, one for each enum lines_kind. */
+extern const char *const disk_line_words[LINES_KINDS];
 
 /** @return whether the script ran; if not, sqlite3_errmsg says why */
 bool disk_run(struct disk *d, const char *sql);

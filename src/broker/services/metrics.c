@@ -102,14 +102,14 @@ static const struct metric counters[] = {
     {PART_DELIVERY, "delay-ns", "what the interval has added to all mails together, in nanoseconds",
      AT(dispatch.count.delay_ns)},
 
-    {PART_GROUPS, "groups", "groups that are there now", AT(pages.groups.groups_now)},
-    {PART_GROUPS, "members", "memberships that hold now", AT(pages.groups.members_now)},
+    {PART_GROUPS, "groups", "groups that are there now", AT(pages.groups.keys_now)},
+    {PART_GROUPS, "members", "memberships that hold now", AT(pages.groups.now)},
     {PART_GROUPS, "lines", "lines of the table in use now, those that hold no longer included",
      AT(pages.groups.pairs.count)},
     {PART_GROUPS, "changes", "changes of groups", AT(pages.groups.changes.version)},
 
     {PART_SERVICES, "offers", "services offered now, those of absent agents included",
-     AT(pages.services.offers_now)},
+     AT(pages.services.now)},
     {PART_SERVICES, "subscriptions", "standing queries now", AT(pages.subscriptions.count)},
     {PART_SERVICES, "lines", "lines of the table in use now, those withdrawn included",
      AT(pages.services.pairs.count)},

@@ -92,7 +92,7 @@ void request_find_service(struct broker *b, const struct mail *question)
     char text[MU_QUERY_MAX + 1];
     struct mu_query query;
     struct request_list list;
-    const struct services *s = &b->pages.services;
+    const struct lines *s = &b->pages.services;
     bool inside = view_inside(b, question->sender);
     if (!question_read(b, question, text, &query)) {
         return;
@@ -101,14 +101,14 @@ void request_find_service(struct broker *b, const struct mail *question)
     for (uint32_t i = 0; i < s->pairs.count; i++) {
         uint32_t line = s->pairs.order[i];
         const char *service = mu_pairs_first(&s->pairs, line);
-        if (!mu_attributes_match(&query, service, s->lines[line].attributes) ||
+        if (!mu_attributes_match(&query, service, s->offers[line].attributes) ||
             !view_shows(b, line, inside)) {
             continue;
         }
         request_list_room(b, &list, LINE_MAX_BYTES);
         mu_fields_add(&list.text, service);
         mu_fields_add(&list.text, mu_pairs_second(&s->pairs, line));
-        mu_fields_add_string(&list.text, s->lines[line].attributes);
+        mu_fields_add_string(&list.text, s->offers[line].attributes);
     }
     request_list_end(b, &list);
 }

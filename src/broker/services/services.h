@@ -219,12 +219,6 @@ void notify_freeze(struct broker *b);
 void notify_thaw(struct broker *b);
 void notify_enter(struct broker *b, uint32_t agent);
 
-/** Before anything is restored: the journal keeps the lines. */
-void notify_attach_journal(struct broker *b);
-
-/** Lines that have changed since these versions are to be on disk. */
-void notify_mark_journal(struct broker *b, uint64_t groups_since, uint64_t services_since);
-
 /* --- admit.c --------------------------------------------------------------------------------- */
 
 /* A mail comes in from the wire: taken once, whole, and only if there is room for it. */

@@ -107,7 +107,7 @@ static struct journal_entry name_entry(const struct platter_name *n)
                                   .reserved_seq = n->reserved_seq};
 }
 
-static struct journal_entry line_entry(const struct platter *p, enum journal_lines lines,
+static struct journal_entry line_entry(const struct platter *p, enum lines_kind lines,
                                        uint32_t slot)
 {
     const struct platter_line *l = &p->lines[lines][slot];
@@ -136,7 +136,7 @@ static struct journal_entry row_entry(const struct platter_row *r)
     return e;
 }
 
-static void lines_read(const struct platter *p, enum journal_lines lines,
+static void lines_read(const struct platter *p, enum lines_kind lines,
                        void (*restore)(const struct journal_entry *e))
 {
     for (uint32_t slot = 0; slot < PLATTER_SLOTS; slot++) {
@@ -153,8 +153,8 @@ void platter_read(const struct platter *p, void (*restore)(const struct journal_
         struct journal_entry e = name_entry(&p->names[i]);
         restore(&e);
     }
-    lines_read(p, JOURNAL_GROUPS, restore);
-    lines_read(p, JOURNAL_SERVICES, restore);
+    lines_read(p, LINES_GROUPS, restore);
+    lines_read(p, LINES_SERVICES, restore);
     if (p->run_wall_ns) {
         restore(&(struct journal_entry){.kind = JOURNAL_CLOCK, .run_wall_ns = p->run_wall_ns});
     }

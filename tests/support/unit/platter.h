@@ -29,7 +29,7 @@ struct platter_name {
 };
 
 struct platter_line {
-    struct journal_line line; /* as for a row */
+    struct line_word line; /* as for a row */
     char key[MU_NAME_MAX + 1], agent[MU_NAME_MAX + 1], origin[MU_NAME_MAX + 1];
     char attributes[PLATTER_TEXT];
 };
@@ -39,7 +39,7 @@ struct platter {
     uint32_t rows_count;
     struct platter_name names[PLATTER_NAMES];
     uint32_t names_count;
-    struct platter_line lines[JOURNAL_LINE_KINDS][PLATTER_SLOTS]; /* no key: nothing is there */
+    struct platter_line lines[LINES_KINDS][PLATTER_SLOTS]; /* no key: nothing is there */
     uint64_t run_wall_ns;
 };
 

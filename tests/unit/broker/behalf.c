@@ -209,11 +209,11 @@ static void test_who_has_left_speaks_for_nobody(void)
 static void test_mail_to_a_group_of_members(void)
 {
     run_begin();
-    muster_Membership red = {words("scouts"), words("red"), true, UINT64_MAX / 2, words("beta")};
-    muster_Membership green = {words("scouts"), words("green"), false, UINT64_MAX / 2,
-                               words("beta")};
-    CU_ASSERT_EQUAL(groups_merge(&story.b->pages.groups, &red, false), MU_OK);
-    CU_ASSERT_EQUAL(groups_merge(&story.b->pages.groups, &green, false), MU_OK);
+    struct line_word red = {"scouts", "red", true, "", "beta", 0, UINT64_MAX / 2};
+    struct line_word green = {"scouts", "green", false, "", "beta", 0, UINT64_MAX / 2};
+    struct said outside = {.origin = "beta"};
+    CU_ASSERT_EQUAL(lines_merge(&story.b->pages.groups, &red, &outside, 0), MU_OK);
+    CU_ASSERT_EQUAL(lines_merge(&story.b->pages.groups, &green, &outside, 0), MU_OK);
     muster_Mail gold = letter("red", ++pages_seq, "group:scouts", "gold");
     step(0, &gold);
     HEARD("green: red gold", hear(false));

@@ -127,20 +127,16 @@ static void test_a_refused_delivery_is_told_again(void)
 
 /* --- lines of other brokers ------------------------------------------------------------------- */
 
-static struct groups kept[8]; /* static: leak checkers see their memory */
+static struct lines kept[8]; /* static: leak checkers see their memory */
 
-static mu_result merge(struct groups *g, const char *agent, bool joined, uint64_t stamp_ns,
+static mu_result merge(struct lines *g, const char *agent, bool joined, uint64_t stamp_ns,
                        const char *origin)
 {
-    muster_Membership m = {.group = words("scouts"),
-                           .agent = words(agent),
-                           .joined = joined,
-                           .stamp_ns = stamp_ns,
-                           .origin = words(origin)};
-    return groups_merge(g, &m, true);
+    struct line_word w = {"scouts", agent, joined, "", origin, 0, stamp_ns};
+    return lines_merge(g, &w, &(struct said){.inside = true, .origin = "here"}, 0);
 }
 
-static bool has(const struct groups *g, const char *agent)
+static bool has(const struct lines *g, const char *agent)
 {
     uint32_t place = 0;
     const char *name;
@@ -158,14 +154,14 @@ static void test_the_last_word_counts_in_any_order(void)
     } said[] = {{true, 5, "a"}, {false, 7, "a"}, {true, 7, "b"}, {false, 6, "c"}};
     static const int orders[][4] = {{0, 1, 2, 3}, {3, 2, 1, 0}, {2, 0, 3, 1}, {1, 3, 0, 2}};
     for (int k = 0; k < 4; k++) {
-        struct groups *g = &kept[k];
-        groups_init(g);
+        struct lines *g = &kept[k];
+        lines_init(g, LINES_GROUPS);
         for (int i = 0; i < 4; i++) {
             const int s = orders[k][i];
             (void)merge(g, "red", said[s].joined, said[s].stamp_ns, said[s].origin);
         }
         CU_ASSERT_TRUE(has(g, "red"));
-        CU_ASSERT_EQUAL(g->lines[mu_pairs_find(&g->pairs, "scouts", "red")].stamp_ns, 7);
+        CU_ASSERT_EQUAL(g->at[mu_pairs_find(&g->pairs, "scouts", "red")].stamp_ns, 7);
         CU_ASSERT_EQUAL(merge(g, "red", true, 7, "b"), MU_EXISTS);
         CU_ASSERT_EQUAL(merge(g, "red", false, 6, "z"), MU_EXISTS);
         CU_ASSERT_EQUAL(merge(g, "not a name", false, 6, "z"), MU_MALFORMED);
@@ -186,15 +182,15 @@ static void name_of(char name[MU_NAME_MAX + 1], const char *kind, unsigned numbe
 
 static void test_limit_lines(void)
 {
-    struct groups *g = &kept[4];
+    struct lines *g = &kept[4];
     struct said said = {.stamp_ns = 1, .origin = "a", .inside = true};
     char name[MU_NAME_MAX + 1];
-    groups_init(g);
+    lines_init(g, LINES_GROUPS);
     for (unsigned i = 1; i < MU_MEMBERSHIPS_MAX; i++) {
         name_of(name, "m", i);
         CU_ASSERT_PTR_NULL_FATAL(groups_join(g, "scouts", name, &said));
     }
-    CU_ASSERT_TRUE(groups_full(g));
+    CU_ASSERT_TRUE(lines_full(g));
     CU_ASSERT_STRING_EQUAL(groups_join(g, "scouts", "late", &said), "full");
     CU_ASSERT_STRING_EQUAL(groups_create(g, "cooks", &said), "full");
     CU_ASSERT_PTR_NULL(groups_leave(g, "scouts", "m7", &said));
@@ -208,25 +204,25 @@ static void test_limit_lines(void)
 /* There is room for the group and none for its first member: then there is no group. */
 static void test_limit_a_new_group_has_no_room(void)
 {
-    struct groups *g = &kept[6];
+    struct lines *g = &kept[6];
     struct said said = {.stamp_ns = 1, .origin = "a", .inside = true};
     char name[MU_NAME_MAX + 1];
-    groups_init(g);
+    lines_init(g, LINES_GROUPS);
     for (unsigned i = 2; i < MU_MEMBERSHIPS_MAX; i++) {
         name_of(name, "m", i);
         CU_ASSERT_PTR_NULL_FATAL(groups_join(g, "scouts", name, &said));
     }
     CU_ASSERT_STRING_EQUAL(groups_join(g, "cooks", "red", &said), "full");
     CU_ASSERT_FALSE(groups_exists(g, "cooks", true) || groups_exists(g, "cooks", false));
-    CU_ASSERT_EQUAL(g->groups_now, 1);
+    CU_ASSERT_EQUAL(g->keys_now, 1);
 }
 
 static void test_limit_groups(void)
 {
-    struct groups *g = &kept[5];
+    struct lines *g = &kept[5];
     struct said said = {.stamp_ns = 1, .origin = "a", .inside = true};
     char name[MU_NAME_MAX + 1];
-    groups_init(g);
+    lines_init(g, LINES_GROUPS);
     for (unsigned i = 0; i < MU_GROUPS_MAX; i++) {
         name_of(name, "g", i);
         CU_ASSERT_PTR_NULL_FATAL(groups_join(g, name, "red", &said));
@@ -237,7 +233,7 @@ static void test_limit_groups(void)
     CU_ASSERT_STRING_EQUAL(groups_create(g, "one-more", &said), "full");
     g->told = g->changes.version;
     CU_ASSERT_PTR_NULL(groups_create(g, "one-more", &said));
-    CU_ASSERT_EQUAL(g->count, MU_GROUPS_MAX);
+    CU_ASSERT_EQUAL(g->keys, MU_GROUPS_MAX);
     CU_ASSERT_FALSE(groups_exists(g, "g9", false));
 }
 
@@ -290,7 +286,7 @@ static void test_changes_take_effect_at_the_end_of_a_step(void)
     HEARD("red: inform group-join scouts", hear(false));
     SHOWN("+scouts +scouts/red");
     CU_ASSERT_EQUAL(
-        story.b->pages.groups.lines[mu_pairs_find(&story.b->pages.groups.pairs, "scouts", "red")]
+        story.b->pages.groups.at[mu_pairs_find(&story.b->pages.groups.pairs, "scouts", "red")]
             .stamp_ns,
         100 * MS);
 }

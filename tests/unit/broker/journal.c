@@ -415,8 +415,8 @@ static void test_a_file_is_no_better_than_the_network(void)
     restore_bad((struct journal_entry){
         .kind = JOURNAL_AGENT, .name = "red", .reserved_seq = (uint64_t)INT64_MAX + 1});
     restore_bad((struct journal_entry){.kind = JOURNAL_GONE, .row = 1});
-    restore_bad((struct journal_entry){.kind = JOURNAL_LINE, .lines = JOURNAL_GROUPS});
-    restore_bad((struct journal_entry){.kind = JOURNAL_LINE, .lines = (enum journal_lines)9});
+    restore_bad((struct journal_entry){.kind = JOURNAL_LINE, .lines = LINES_GROUPS});
+    restore_bad((struct journal_entry){.kind = JOURNAL_LINE, .lines = (enum lines_kind)9});
     restore_bad((struct journal_entry){.kind = JOURNAL_CLOCK, .run_wall_ns = WALL + 1});
     struct journal_entry good = {.kind = JOURNAL_MAIL,
                                  .row = 1,
@@ -493,7 +493,7 @@ static void test_groups_and_services_come_back(void)
     tell_broker(2, "group-join", "cooks");
     tell_broker(3, "advertise", "mapper \"role=scout\" 60");
     CU_ASSERT_TRUE(commit(false));
-    CU_ASSERT_STRING_EQUAL(disk.lines[JOURNAL_GROUPS][0].key, "");
+    CU_ASSERT_STRING_EQUAL(disk.lines[LINES_GROUPS][0].key, "");
     story_tick(SECOND);
     CU_ASSERT_TRUE(commit(true));
     CU_ASSERT_EQUAL(writes, 5); /* two groups with a member each, a service */
@@ -507,11 +507,11 @@ static void test_groups_and_services_come_back(void)
     CU_ASSERT_TRUE(is_member("scouts", "red"));
     CU_ASSERT_FALSE(is_member("cooks", "red"));
     CU_ASSERT_FALSE(groups_exists(&story.b->pages.groups, "cooks", false));
-    const struct services *s = &story.b->pages.services;
+    const struct lines *s = &story.b->pages.services;
     uint32_t line = mu_pairs_find(&s->pairs, "mapper", "red");
     CU_ASSERT_NOT_EQUAL_FATAL(line, MU_NONE);
-    CU_ASSERT_TRUE(s->lines[line].offered);
-    CU_ASSERT_STRING_EQUAL(s->lines[line].attributes, "role=scout");
+    CU_ASSERT_TRUE(s->at[line].holds);
+    CU_ASSERT_STRING_EQUAL(s->offers[line].attributes, "role=scout");
     CU_ASSERT_FALSE(view_shows(story.b, line, false)); /* its agent is not back yet */
     story_register("red", "p-red");
     CU_ASSERT_TRUE(view_shows(story.b, line, false));
@@ -533,7 +533,7 @@ static void test_bad_lines_stay_on_disk(void)
     team();
     struct journal_entry good = {
         .kind = JOURNAL_LINE,
-        .lines = JOURNAL_GROUPS,
+        .lines = LINES_GROUPS,
         .line = {
             .key = "scouts", .agent = "red", .present = true, .attributes = "", .origin = "alpha"}};
     struct journal_entry e = good;
@@ -543,12 +543,12 @@ static void test_bad_lines_stay_on_disk(void)
     e.line.agent = "*";
     restore_bad(e);
     e = good;
-    e.lines = JOURNAL_LINE_KINDS;
+    e.lines = LINES_KINDS;
     restore_bad(e);
     e = good;
     e.line.stamp_ns = JOURNAL_NUMBER_MAX + 1;
     restore_bad(e);
-    CU_ASSERT_FALSE(story.b->journal.slots[JOURNAL_GROUPS].reset);
+    CU_ASSERT_FALSE(story.b->journal.slots[LINES_GROUPS].reset);
     CU_ASSERT_TRUE(durable_restore(story.b, &good));
     CU_ASSERT_TRUE(is_member("scouts", "red"));
 }

@@ -9,7 +9,7 @@
 static bool is_offered(const char *service, const char *agent)
 {
     uint32_t line = mu_pairs_find(&story.b->pages.services.pairs, service, agent);
-    return line != MU_NONE && story.b->pages.services.lines[line].offered;
+    return line != MU_NONE && story.b->pages.services.at[line].holds;
 }
 
 static void lease_in_a_run(void)
@@ -86,7 +86,7 @@ static void test_a_lease_of_a_run_holds_at_a_neighbour(void)
     broker_tick(beta, SECOND);
     uint32_t line = mu_pairs_find(&beta->pages.services.pairs, "mapper", "green");
     CU_ASSERT_TRUE_FATAL(line != MU_NONE);
-    CU_ASSERT_TRUE(beta->pages.services.lines[line].offered);
+    CU_ASSERT_TRUE(beta->pages.services.at[line].holds);
 }
 
 /* --- subscribers ------------------------------------------------------------------------------ */

@@ -161,56 +161,57 @@ static void test_long_answers_come_in_several_mails(void)
 
 /* --- lines of other brokers, and room --------------------------------------------------------- */
 
-static struct services kept[2]; /* static: leak checkers see their memory */
+static struct lines kept[2]; /* static: leak checkers see their memory */
 
 static void test_merge(void)
 {
-    struct services *s = &kept[0];
+    struct lines *s = &kept[0];
     struct said now = {.stamp_ns = 100, .origin = "here", .inside = true};
-    muster_Offer o = {.service = words("mapper"),
-                      .agent = words("red"),
-                      .offered = true,
-                      .attributes = words("x=1"),
-                      .lease_ns = 60,
-                      .stamp_ns = 80,
-                      .origin = words("there")};
-    services_init(s);
-    CU_ASSERT_EQUAL(services_merge(s, &o, &now, 7), MU_OK);
-    CU_ASSERT_EQUAL(services_merge(s, &o, &now, 7), MU_EXISTS);
-    const struct service_line *line = &s->lines[mu_pairs_find(&s->pairs, "mapper", "red")];
-    CU_ASSERT_EQUAL(line->until_ns, 7 + 40); /* 20 of the lease are over */
+    struct line_word o = {.key = words("mapper"),
+                          .agent = words("red"),
+                          .present = true,
+                          .attributes = words("x=1"),
+                          .lease_ns = 60,
+                          .stamp_ns = 80,
+                          .origin = words("there")};
+    lines_init(s, LINES_SERVICES);
+    CU_ASSERT_EQUAL(lines_merge(s, &o, &now, 7), MU_OK);
+    CU_ASSERT_EQUAL(lines_merge(s, &o, &now, 7), MU_EXISTS);
+    uint32_t index = mu_pairs_find(&s->pairs, "mapper", "red");
+    const struct line *line = &s->at[index];
+    CU_ASSERT_EQUAL(s->offers[index].until_ns, 7 + 40); /* 20 of the lease are over */
     CU_ASSERT_EQUAL(line->stamp_ns, 80);
     CU_ASSERT_STRING_EQUAL(line->origin, "there");
-    o.offered = false;
+    o.present = false;
     o.stamp_ns = 79;
-    CU_ASSERT_EQUAL(services_merge(s, &o, &now, 7), MU_EXISTS);
-    o.offered = true;
+    CU_ASSERT_EQUAL(lines_merge(s, &o, &now, 7), MU_EXISTS);
+    o.present = true;
     o.stamp_ns = 80; /* said at two brokers at once: the later name stands everywhere */
     o.origin = words("theme");
-    CU_ASSERT_EQUAL(services_merge(s, &o, &now, 7), MU_EXISTS);
+    CU_ASSERT_EQUAL(lines_merge(s, &o, &now, 7), MU_EXISTS);
     o.origin = words("thorn");
-    CU_ASSERT_EQUAL(services_merge(s, &o, &now, 7), MU_OK);
+    CU_ASSERT_EQUAL(lines_merge(s, &o, &now, 7), MU_OK);
     CU_ASSERT_STRING_EQUAL(line->origin, "thorn");
     services_expire(s, 46);
-    CU_ASSERT_TRUE(line->offered);
+    CU_ASSERT_TRUE(line->holds);
     services_expire(s, 47);
-    CU_ASSERT_FALSE(line->offered);
+    CU_ASSERT_FALSE(line->holds);
     CU_ASSERT_EQUAL(s->soonest_ns, UINT64_MAX);
-    o.offered = true;
+    o.present = true;
     o.stamp_ns = 90;
     o.attributes = words("x");
-    CU_ASSERT_EQUAL(services_merge(s, &o, &now, 7), MU_MALFORMED);
+    CU_ASSERT_EQUAL(lines_merge(s, &o, &now, 7), MU_MALFORMED);
     o.attributes = words("");
-    CU_ASSERT_EQUAL(services_merge(s, &o, &now, 7), MU_OK);
+    CU_ASSERT_EQUAL(lines_merge(s, &o, &now, 7), MU_OK);
 }
 
 static void test_limit_lines(void)
 {
-    struct services *s = &kept[1];
+    struct lines *s = &kept[1];
     struct said said = {.stamp_ns = 1, .origin = "a", .inside = true};
     struct offer offer = {.attributes = ""};
     char name[MU_NAME_MAX + 1];
-    services_init(s);
+    lines_init(s, LINES_SERVICES);
     for (int i = 0; i < MU_SERVICES_MAX; i++) {
         snprintf(name, sizeof name, "s%d", i);
         CU_ASSERT_PTR_NULL_FATAL(services_advertise(s, name, "red", &offer, &said));
@@ -228,7 +229,7 @@ static void test_limit_lines(void)
 /* While a subscriber is away a line that he was told of makes room for another one. */
 static void test_a_line_that_makes_room_is_forgotten(void)
 {
-    struct services *s;
+    struct lines *s;
     struct offer offer = {.attributes = ""};
     char name[MU_NAME_MAX + 1];
     team();
@@ -297,8 +298,8 @@ static void test_leases_count_simulated_time(void)
     HEARD("", hear(false));
     for (int64_t step = 1; step <= 2; step++) {
         CU_ASSERT_TRUE(story.b->pages.services
-                           .lines[mu_pairs_find(&story.b->pages.services.pairs, "mapper", "green")]
-                           .offered);
+                           .at[mu_pairs_find(&story.b->pages.services.pairs, "mapper", "green")]
+                           .holds);
         answer_step("green", step, NULL);
         answer_step("red", step, NULL);
     }
