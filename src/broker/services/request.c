@@ -118,7 +118,8 @@ void request_list_end(struct broker *b, const struct request_list *l)
 
 /* --- changes ---------------------------------------------------------------------------------- */
 
-void request_make_change(struct broker *b, const struct mail *question, request_change *change)
+void request_make_change(struct broker *b, const struct mail *question, struct lines *table,
+                         request_change *change)
 {
     request_name name, named;
     const char *content = question->letter.content;
@@ -130,7 +131,7 @@ void request_make_change(struct broker *b, const struct mail *question, request_
     const char *agent = request_actor(b, question, named);
     if (agent) {
         struct said said = view_said(b);
-        const char *refusal = change(b, name, agent, &said);
+        const char *refusal = change(table, name, agent, &said);
         notify_tell(b);
         request_changed(b, question, refusal, name);
     }

@@ -20,26 +20,14 @@ void request_group_create(struct broker *b, const struct mail *question)
     }
 }
 
-static const char *member_join(struct broker *b, const char *group, const char *agent,
-                               const struct said *said)
-{
-    return groups_join(&b->pages.groups, group, agent, said);
-}
-
 void request_group_join(struct broker *b, const struct mail *question)
 {
-    request_make_change(b, question, member_join);
-}
-
-static const char *member_leave(struct broker *b, const char *group, const char *agent,
-                                const struct said *said)
-{
-    return groups_leave(&b->pages.groups, group, agent, said);
+    request_make_change(b, question, &b->pages.groups, groups_join);
 }
 
 void request_group_leave(struct broker *b, const struct mail *question)
 {
-    request_make_change(b, question, member_leave);
+    request_make_change(b, question, &b->pages.groups, groups_leave);
 }
 
 /* --- questions -------------------------------------------------------------------------------- */

@@ -56,15 +56,9 @@ void request_advertise(struct broker *b, const struct mail *question)
     request_changed(b, question, refusal, a.service);
 }
 
-static const char *offer_withdraw(struct broker *b, const char *service, const char *agent,
-                                  const struct said *said)
-{
-    return services_withdraw(&b->pages.services, service, agent, said);
-}
-
 void request_withdraw(struct broker *b, const struct mail *question)
 {
-    request_make_change(b, question, offer_withdraw);
+    request_make_change(b, question, &b->pages.services, services_withdraw);
 }
 
 /* --- queries ---------------------------------------------------------------------------------- */

@@ -116,7 +116,7 @@ struct request_list {
 };
 
 /* Changes a line of groups or services in an agent's name.  @return why not, or NULL: done */
-typedef const char *request_change(struct broker *b, const char *name, const char *agent,
+typedef const char *request_change(struct lines *table, const char *name, const char *agent,
                                    const struct said *said);
 
 /** Reads content that is one field.  @return false if it is not */
@@ -144,7 +144,8 @@ void request_changed(struct broker *b, const struct mail *question, const char *
                      const char *name);
 
 /** Makes a change that NAME or NAME AGENT asks for, and answers it. */
-void request_make_change(struct broker *b, const struct mail *question, request_change *change);
+void request_make_change(struct broker *b, const struct mail *question, struct lines *table,
+                         request_change *change);
 
 void request_list_begin(struct broker *b, struct request_list *l, const struct mail *question,
                         const char *word, const char *of);
