@@ -474,10 +474,7 @@ int console_verb(int argc, char **argv)
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
     }
-    if (o.words_count != 1) {
-        fprintf(stderr, "muster console: name one agent, for example: muster console red\n");
-        return MU_EXIT_USAGE;
-    }
-    bool good = words_name_check("muster console", "an agent", o.words[0]) && line_check(c);
+    bool good = words_one(&o, "agent", "red") &&
+                words_name_check("muster console", "an agent", o.words[0]) && line_check(c);
     return good ? console_live(c, o.words[0]) : MU_EXIT_USAGE;
 }

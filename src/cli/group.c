@@ -71,18 +71,10 @@ static void member_print(const mu_process *p, const char *group, const char *age
     mu_json_end(&j);
 }
 
-static bool is_group(const mu_process *p, const char *name)
-{
-    const char *group = NULL;
-    for (size_t i = 0; (group = mu_process_group(p, i)) && strcmp(group, name) != 0; i++) {
-    }
-    return group != NULL;
-}
-
 static int members_list(struct operator* op, const struct request *r)
 {
     const char *agent;
-    if (!is_group(op->process, r->group)) {
+    if (!receivers_are_group(op->process, r->group)) {
         fprintf(stderr, "%s: no group named %s; muster group list lists them\n", r->program,
                 r->group);
         return MU_EXIT_NO_AGENT;

@@ -174,11 +174,8 @@ int pages_verb_lookup(int argc, char **argv)
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
     }
-    if (o.words_count != 1) {
-        fprintf(stderr, "muster lookup: name one agent, for example: muster lookup red\n");
-        return MU_EXIT_USAGE;
-    }
-    if (!words_name_check("muster lookup", "an agent", o.words[0])) {
+    if (!words_one(&o, "agent", "red") ||
+        !words_name_check("muster lookup", "an agent", o.words[0])) {
         return MU_EXIT_USAGE;
     }
     struct operator op;

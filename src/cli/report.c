@@ -14,6 +14,7 @@
 #include "core/options.h"
 #include "core/text.h"
 #include "muster/memory.h"
+#include "operator/operator.h"
 #include "report/summary.h"
 #include "world/world_load.h"
 
@@ -366,9 +367,7 @@ int report_verb(int argc, char **argv)
         .table = option_table,
         .count = sizeof option_table / sizeof option_table[0]};
     mu_result parsed = mu_options_parse(&o, argc, argv);
-    if (parsed == MU_OK && o.words_count != 1) {
-        fprintf(stderr,
-                "muster report: name one folder, for example: muster report out/follow-1\n");
+    if (parsed == MU_OK && !words_one(&o, "folder", "out/follow-1")) {
         parsed = MU_FAULT_USAGE;
     }
     return parsed == MU_OK ? report_run(o.words[0]) : mu_exit_for(parsed);

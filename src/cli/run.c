@@ -5,6 +5,7 @@
 #include "core/exits.h"
 #include "core/options.h"
 #include "muster/memory.h"
+#include "operator/operator.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -85,9 +86,7 @@ static mu_result options_parse(struct run_options *out, int argc, char **argv)
     if (parsed != MU_OK) {
         return parsed;
     }
-    if (options.words_count != 1) {
-        fprintf(stderr, "muster run: name one experiment file, for example: "
-                        "muster run experiments/follow.yaml\n");
+    if (!words_one(&options, "experiment file", "experiments/follow.yaml")) {
         return MU_FAULT_USAGE;
     }
     if (chosen.record && strcmp(chosen.record, "none") != 0 && strcmp(chosen.record, "run") != 0 &&

@@ -115,8 +115,7 @@ static int service_add(const struct request *r)
                 r->program, MU_ATTRIBUTES_MAX);
         return MU_EXIT_USAGE;
     }
-    struct mu_text t;
-    mu_text_init(&t, content, sizeof content);
+    struct mu_text t = mu_text_in(content, sizeof content);
     change_add_offer(&t, r->words[0], attributes, r->lease_s);
     MU_ASSERT(!t.cut);
     return service_change(r, "advertise", content);

@@ -306,8 +306,7 @@ static mu_result settings_check(void)
     top.column = top_table_key(set.sort);
     if (top.column < 0) {
         char shown[MU_TEXT_SHOWN], keys[256];
-        struct mu_text t;
-        mu_text_init(&t, keys, sizeof keys);
+        struct mu_text t = mu_text_in(keys, sizeof keys);
         top_table_keys(&t);
         fprintf(stderr, "muster top --sort %s: expected one of %s\n", mu_text_show(shown, set.sort),
                 keys);

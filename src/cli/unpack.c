@@ -201,8 +201,7 @@ static mu_result file_unpack(struct unpacked *u, struct mcap_reader *reader, uin
     const struct mcap_attachment *a = mcap_reader_attachment(reader, index);
     char bytes[PATH_MAX];
     char shown[MU_TEXT_SHOWN];
-    struct mu_text path;
-    mu_text_init(&path, bytes, sizeof bytes);
+    struct mu_text path = mu_text_in(bytes, sizeof bytes);
     if (!place_find(u, origin(reader), a->name, &path)) {
         return name_fault(file, a->name);
     }

@@ -13,6 +13,7 @@
 #include "core/options.h"
 #include "core/text.h"
 #include "muster/memory.h"
+#include "operator/operator.h"
 #include "run/run.h"
 #include "story/story.h"
 
@@ -56,8 +57,7 @@ static const char *note(const struct verify *v, const char *key)
 static const char *plain(const char *text)
 {
     static char bytes[PATH_MAX];
-    struct mu_text t;
-    mu_text_init(&t, bytes, sizeof bytes);
+    struct mu_text t = mu_text_in(bytes, sizeof bytes);
     mu_text_add_plain(&t, text, strlen(text));
     return t.at;
 }
@@ -311,9 +311,7 @@ int verify_verb(int argc, char **argv)
                                   .table = option_table,
                                   .count = sizeof option_table / sizeof option_table[0]};
     mu_result parsed = mu_options_parse(&o, argc, argv);
-    if (parsed == MU_OK && o.words_count != 1) {
-        fprintf(stderr, "muster verify: name one recording, for example: "
-                        "muster verify out/follow-1/run.mcap\n");
+    if (parsed == MU_OK && !words_one(&o, "recording", "out/follow-1/run.mcap")) {
         parsed = MU_FAULT_USAGE;
     }
     if (parsed != MU_OK) {

@@ -280,8 +280,7 @@ static void robots_name(struct teller *t, struct mu_text *names)
 static void nobody_explain(struct teller *t)
 {
     char shown[MU_TEXT_SHOWN], bytes[1024];
-    struct mu_text names;
-    mu_text_init(&names, bytes, sizeof bytes);
+    struct mu_text names = mu_text_in(bytes, sizeof bytes);
     robots_name(t, &names);
     fprintf(stderr, "muster why: %s has no robot named %s; it has %s%s\n", ask.file,
             mu_text_show(shown, ask.robot), names.len > 0 ? names.at : "no step",

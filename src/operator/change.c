@@ -74,9 +74,8 @@ struct answer {
 static void answer_take(void *self, const struct mu_mail *mail)
 {
     struct answer *a = self;
-    struct mu_text t;
     a->done = strcmp(mail->performative, "inform") == 0;
-    mu_text_init(&t, a->reason, sizeof a->reason);
+    struct mu_text t = mu_text_in(a->reason, sizeof a->reason);
     mu_text_add_bytes(&t, mail->content, strcspn(mail->content, " "));
 }
 

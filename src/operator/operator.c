@@ -183,11 +183,8 @@ int operator_join(struct operator* o, const struct operator_options *options, co
     if (domain < 0 && runs_find(&domain) != MU_OK) {
         return MU_EXIT_SEVERAL;
     }
-    struct mu_process_options process = {.domain = domain,
-                                         .interface = options->network.interface,
-                                         .peer = mu_network_peers(&options->network),
-                                         .name = "operator",
-                                         .broker = options->network.broker};
+    struct mu_process_options process = join_options(&options->network, "operator");
+    process.domain = domain;
     if (options->as && !words_name_check("muster", "an agent", options->as)) {
         return MU_EXIT_USAGE;
     }
@@ -361,8 +358,7 @@ int operator_send(struct operator* o, struct mu_mail *mail, unsigned answers_wan
 static void look_print(const struct operator* o, const char *agent, bool good, const char *text)
 {
     static char bytes[2 * MU_GLANCE_BYTES_MAX + 3]; /* each byte may be escaped */
-    struct mu_text quoted;
-    mu_text_init(&quoted, bytes, sizeof bytes);
+    struct mu_text quoted = mu_text_in(bytes, sizeof bytes);
     mu_fields_quote(&quoted, text);
     struct mu_mail mail = {.src = agent,
                            .dst = mu_agent_name(o->agent),

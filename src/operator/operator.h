@@ -346,6 +346,10 @@ bool words_join(char *text, size_t size, const char *const *words, size_t count)
 /** @return whether all of it is UTF-8 */
 bool words_are_utf8(const char *text);
 
+/** @return whether there is one word; if not, said.  @param what  "agent".  @param example  "red"
+ */
+bool words_one(const struct mu_options *o, const char *what, const char *example);
+
 /** @return whether it is a name; if not, standard error says what one is */
 bool words_name_check(const char *program, const char *what, const char *name);
 
@@ -368,6 +372,9 @@ bool words_query_check(const char *program, const char *query);
 
 /** @return whether nobody in particular is meant, so that nobody in particular has to answer */
 bool receivers_are_many(const char *to);
+
+/** @return whether there is a group of that name */
+bool receivers_are_group(const mu_process *p, const char *name);
 
 /** @return whether all, robots, special or group:G means that agent */
 bool receivers_have(const mu_process *p, const char *to, const struct mu_member *m);

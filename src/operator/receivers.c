@@ -24,6 +24,14 @@ bool receivers_are_many(const char *to)
     return mu_address_kind(to) != MU_ADDRESS_NAMES;
 }
 
+bool receivers_are_group(const mu_process *p, const char *name)
+{
+    const char *group = NULL;
+    for (size_t i = 0; (group = mu_process_group(p, i)) && strcmp(group, name) != 0; i++) {
+    }
+    return group != NULL;
+}
+
 /* Each name once: that is how the broker reads them. */
 static unsigned names_count(const char *to)
 {

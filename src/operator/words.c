@@ -10,8 +10,7 @@
 
 bool words_join(char *text, size_t size, const char *const *words, size_t count)
 {
-    struct mu_text t;
-    mu_text_init(&t, text, size);
+    struct mu_text t = mu_text_in(text, size);
     for (size_t i = 0; i < count; i++) {
         mu_text_add(&t, i ? " " : "");
         mu_text_add(&t, words[i]);
@@ -28,6 +27,15 @@ bool words_are_utf8(const char *text)
         }
     }
     return true;
+}
+
+bool words_one(const struct mu_options *o, const char *what, const char *example)
+{
+    if (o->words_count != 1) {
+        fprintf(stderr, "%s: name one %s, for example: %s %s\n", o->program, what, o->program,
+                example);
+    }
+    return o->words_count == 1;
 }
 
 bool words_name_check(const char *program, const char *what, const char *name)

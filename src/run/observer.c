@@ -58,8 +58,7 @@ static bool word_read(const char **at, struct mu_text *out)
 static bool list_read(const char **at, struct mu_text *out)
 {
     char bytes[MU_NAME_MAX + 1];
-    struct mu_text word;
-    mu_text_init(&word, bytes, sizeof bytes);
+    struct mu_text word = mu_text_in(bytes, sizeof bytes);
     (*at)++;
     if (!word_read(at, &word) || strcmp(word.at, "create$") != 0) {
         return false;
@@ -78,8 +77,7 @@ static bool list_read(const char **at, struct mu_text *out)
 
 static bool who_read(const char **at, char who[MU_DST_MAX + 1])
 {
-    struct mu_text t;
-    mu_text_init(&t, who, MU_DST_MAX + 1);
+    struct mu_text t = mu_text_in(who, MU_DST_MAX + 1);
     blank_skip(at);
     return **at == '(' ? list_read(at, &t) : word_read(at, &t);
 }
@@ -121,8 +119,7 @@ static bool rest_read(const char *at, enum rest rest, struct mu_text *content)
 static const struct form *form_find(const char **at)
 {
     char bytes[MU_NAME_MAX + 1];
-    struct mu_text name;
-    mu_text_init(&name, bytes, sizeof bytes);
+    struct mu_text name = mu_text_in(bytes, sizeof bytes);
     blank_skip(at);
     if (**at != '(') {
         return NULL;
@@ -151,8 +148,7 @@ mu_result observer_read(struct observer_order *o, const char *line, struct mu_te
         mu_text_add(why, "\n");
         return MU_MALFORMED;
     }
-    struct mu_text content;
-    mu_text_init(&content, o->content, sizeof o->content);
+    struct mu_text content = mu_text_in(o->content, sizeof o->content);
     o->performative = form->performative;
     o->answer = form->answer;
     bool good = form->rest == REST_NO_WHO || who_read(&line, o->who);

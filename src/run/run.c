@@ -31,12 +31,8 @@ struct run_part run_part_of(const struct run *r, const struct child *child)
 
 char *run_robot_name(const struct run *r, const char *name)
 {
-    for (size_t i = 0; i < r->world->robot_count; i++) {
-        if (strcmp(r->world->robots[i].name, name) == 0) {
-            return r->world->robots[i].name;
-        }
-    }
-    return NULL;
+    struct world_robot *robot = world_find_robot(r->world, name);
+    return robot ? robot->name : NULL;
 }
 
 bool run_pages_own(const struct run *r, const struct experiment_robot *robot)
@@ -46,8 +42,7 @@ bool run_pages_own(const struct run *r, const struct experiment_robot *robot)
 
 void run_command_write(const struct run *r, char *buffer, size_t size)
 {
-    struct mu_text t;
-    mu_text_init(&t, buffer, size);
+    struct mu_text t = mu_text_in(buffer, size);
     mu_text_format(&t, "muster run %s --seed %" PRIu64 " --duration %g", r->options.file,
                    r->experiment->seed, r->experiment->duration);
     for (size_t i = 0; i < r->options.set_count; i++) {

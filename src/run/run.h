@@ -237,10 +237,6 @@ bool run_pages_tell(struct run *r);
 /** @return whether a mail to the observer was an answer to that; a refusal ends the run */
 bool run_pages_take(struct run *r, const struct mu_mail *mail);
 
-/** Sends a directive of the experiment's; it is waited for before the first step.  @return as
- * mu_agent_send */
-MU_MUST_USE mu_result run_directive_send(struct run *r, struct mu_mail mail);
-
 /** Sends everything that the observer will ever command, before the first step.  @return as
  * mu_agent_send; MU_FAULT_FILE: what is wrong with a launched agent's rules is said */
 MU_MUST_USE mu_result run_commands_send(struct run *r);

@@ -31,8 +31,7 @@ static const char *name_make(const char *role, const char *path)
 {
     char bytes[PATH_MAX + 32];
     const char *slash = strrchr(path, '/');
-    struct mu_text name;
-    mu_text_init(&name, bytes, sizeof bytes);
+    struct mu_text name = mu_text_in(bytes, sizeof bytes);
     mu_text_add(&name, role);
     if (strcmp(role, "library") == 0 && slash) {
         mu_text_add(&name, slash);

@@ -88,8 +88,7 @@ static mu_result folder_prepare(struct run *r, struct mu_fault *fault)
         return report_folder(r->options.out, false, r->folder, sizeof r->folder, fault);
     }
     char wanted[PATH_MAX];
-    struct mu_text t;
-    mu_text_init(&t, wanted, sizeof wanted);
+    struct mu_text t = mu_text_in(wanted, sizeof wanted);
     mu_text_format(&t, "out/%s-%llu", r->experiment->name, (unsigned long long)r->experiment->seed);
     return report_folder(wanted, true, r->folder, sizeof r->folder, fault);
 }

@@ -53,8 +53,7 @@ bool run_monitors_ready(const struct run *r)
 
 void run_monitors_missing(const struct run *r, char *text, size_t size)
 {
-    struct mu_text t;
-    mu_text_init(&t, text, size);
+    struct mu_text t = mu_text_in(text, size);
     for (unsigned i = 0; run_monitors_start(r) && i < r->experiment->monitors_count; i++) {
         if (!is_ready(r, i)) {
             mu_text_format(&t, "%s%s", t.len ? " " : "", r->experiment->monitors[i].name);

@@ -153,17 +153,6 @@ static void service_add(const struct run *r, struct order *o, const char *query)
     }
 }
 
-static bool is_group(const struct run *r, const char *name)
-{
-    const char *group;
-    for (size_t i = 0; (group = mu_process_group(r->process, i)); i++) {
-        if (strcmp(group, name) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
 /* One word of WHO.  A name that is no agent's may be a group's. */
 static void who_add(struct run *r, struct order *o, const char *who)
 {
@@ -180,7 +169,7 @@ static void who_add(struct run *r, struct order *o, const char *who)
                        "service:S\n",
                        who);
         o->failures++;
-    } else if (!mu_process_lookup(r->process, who) && is_group(r, who)) {
+    } else if (!mu_process_lookup(r->process, who) && receivers_are_group(r->process, who)) {
         mu_text_copy(group + 6, sizeof group - 6, who);
         wide_add(r, o, group);
     } else {
@@ -324,8 +313,7 @@ static struct target *target_find(struct run *r, const char *label, struct order
 static void target_answer(struct run *r, struct order *o, struct target *t, bool good,
                           const char *printed)
 {
-    struct mu_text said;
-    mu_text_init(&said, r->console->line, sizeof r->console->line);
+    struct mu_text said = mu_text_in(r->console->line, sizeof r->console->line);
     mu_text_format(&said, "%s: %s", good ? "done" : "failed", printed);
     target_end(o, t, good, said.at);
 }
@@ -350,8 +338,7 @@ bool run_observer_take(struct run *r, const struct mu_mail *mail)
         target_answer(r, o, t, false, content);
         return true;
     }
-    struct mu_text printed;
-    mu_text_init(&printed, r->console->text, sizeof r->console->text);
+    struct mu_text printed = mu_text_in(r->console->text, sizeof r->console->text);
     (void)mu_fields_next(&content, &printed); /* one string */
     target_answer(r, o, t, !fails, r->console->text);
     return true;

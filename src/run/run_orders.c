@@ -39,9 +39,8 @@ static bool service_tell(struct run *r, const struct experiment_robot *robot, un
     char name[MU_NAME_MAX + 1], content[2 * MU_ATTRIBUTES_MAX + 4 * MU_NAME_MAX];
     const char *service = robot->services[index];
     size_t len = strcspn(service, " ");
-    struct mu_text t;
     snprintf(name, sizeof name, "%.*s", (int)len, service);
-    mu_text_init(&t, content, sizeof content);
+    struct mu_text t = mu_text_in(content, sizeof content);
     change_add_offer(&t, name, service + len + strspn(service + len, " "), 0.0);
     mu_text_format(&t, " %s", robot->name);
     MU_ASSERT(!t.cut);
@@ -85,7 +84,8 @@ bool run_pages_take(struct run *r, const struct mu_mail *mail)
 
 /* --- directives ------------------------------------------------------------------------------- */
 
-mu_result run_directive_send(struct run *r, struct mu_mail mail)
+/* A directive of the experiment's, which is waited for before the first step. */
+static mu_result directive_send(struct run *r, struct mu_mail mail)
 {
     mail.directive = true;
     mu_result sent = mu_agent_send(r->observer, &mail, NULL);
@@ -105,7 +105,7 @@ void run_wake(struct run *r, const char *child, double due_s)
                                     .performative = "start",
                                     .timed = due_s >= 0,
                                     .due_ns = due_s >= 0 ? (uint64_t)llround(due_s * 1e9) : 0};
-            if (run_directive_send(r, start) != MU_OK) {
+            if (directive_send(r, start) != MU_OK) {
                 fprintf(stderr, "muster run: no room for the word to start to %s\n", start.dst);
             }
         }
@@ -121,7 +121,7 @@ static mu_result pieces_send(struct run *r, const struct mu_mail *piece, const s
     size_t at = 0;
     for (unsigned number = 0; at < text->len && sent == MU_OK; number++) {
         at += mu_pieces_numbered(content, number, text->at, text->len, at);
-        sent = run_directive_send(r, mail);
+        sent = directive_send(r, mail);
     }
     return sent;
 }
@@ -151,12 +151,12 @@ static mu_result launch_tell(struct run *r, unsigned index)
 static mu_result command_send(struct run *r, const struct experiment_command *c, char *to,
                               const char *label)
 {
-    return run_directive_send(r, (struct mu_mail){.dst = to,
-                                                  .performative = c->move ? "move" : "do",
-                                                  .reply_with = label,
-                                                  .content = c->move ? c->move : c->line,
-                                                  .timed = true,
-                                                  .due_ns = (uint64_t)llround(c->at * 1e9)});
+    return directive_send(r, (struct mu_mail){.dst = to,
+                                              .performative = c->move ? "move" : "do",
+                                              .reply_with = label,
+                                              .content = c->move ? c->move : c->line,
+                                              .timed = true,
+                                              .due_ns = (uint64_t)llround(c->at * 1e9)});
 }
 
 /* One directive to as many of the named robots as fit, and one to each group or address. */
@@ -191,7 +191,7 @@ static mu_result command_tell(struct run *r, unsigned index)
 mu_result run_commands_send(struct run *r)
 {
     const struct experiment *e = r->experiment;
-    mu_result sent = run_directive_send(
+    mu_result sent = directive_send(
         r, (struct mu_mail){.dst = "robots", .performative = "start", .timed = true});
     for (unsigned i = 0; sent == MU_OK && i < e->observer_count; i++) {
         sent = command_tell(r, i);

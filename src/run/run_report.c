@@ -107,16 +107,6 @@ void run_summary_print(const char *folder)
     }
 }
 
-static bool is_in_experiment(const struct run *r, const char *name)
-{
-    for (unsigned i = 0; i < r->experiment->robots_count; i++) {
-        if (strcmp(r->experiment->robots[i].name, name) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
 static const muster_RobotTotals *totals_find(const struct run *r, const char *name)
 {
     for (uint32_t i = 0; i < r->totals_count; i++) {
@@ -134,7 +124,7 @@ static size_t robots_fill(const struct run *r, struct report_robot *robots)
     size_t count = 0;
     for (size_t i = 0; i < r->world->robot_count; i++) {
         const struct world_robot *robot = &r->world->robots[i];
-        if (!is_in_experiment(r, robot->name)) {
+        if (experiment_robot_find(r->experiment, robot->name) < 0) {
             continue;
         }
         robots[count] = (struct report_robot){.name = robot->name, .rgb = robot->look.rgb};

@@ -82,8 +82,7 @@ static bool record_is(const struct run *r, const char *level)
 static void file_attach(const struct run_file *file)
 {
     char bytes[2 * PATH_MAX];
-    struct mu_text name;
-    mu_text_init(&name, bytes, sizeof bytes);
+    struct mu_text name = mu_text_in(bytes, sizeof bytes);
     for (const char *c = file->name; *c; c++) {
         mu_text_add(&name, *c == '=' ? "=" : "");
         mu_text_add_bytes(&name, c, 1);

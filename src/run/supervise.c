@@ -348,17 +348,6 @@ bool supervise_has_died(const struct child *child)
     return child->ended && !child->excused && !child->struck && !left;
 }
 
-const struct child *supervise_ended(const struct supervise *s)
-{
-    for (uint32_t i = 0; i < s->count; i++) {
-        const struct child *child = &s->children[i];
-        if (supervise_has_died(child)) {
-            return child;
-        }
-    }
-    return NULL;
-}
-
 struct child *supervise_find(struct supervise *s, const char *name)
 {
     for (uint32_t i = 0; i < s->count; i++) {

@@ -113,9 +113,6 @@ void supervise_look(struct supervise *s);
 /** @return whether a child has ended and may not */
 bool supervise_has_died(const struct child *child);
 
-/** @return the first child that has ended and may not, or NULL */
-const struct child *supervise_ended(const struct supervise *s);
-
 /** @return the child of that name, or NULL */
 struct child *supervise_find(struct supervise *s, const char *name);
 

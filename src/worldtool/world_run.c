@@ -95,16 +95,13 @@ static double patience_s(const struct request *r)
 /* @return the exit code, explained */
 static int line_open(struct line *l, const struct request *r)
 {
-    int domain = (int)r->set->network.domain;
+    struct mu_network network = r->set->network;
+    int domain = (int)network.domain;
     if (domain < 0 && runs_find(&domain) != MU_OK) {
         return MU_EXIT_SEVERAL;
     }
-    struct bus_options bus = {.domain = domain,
-                              .place = BUS_AGENT,
-                              .name = "operator",
-                              .interface = r->set->network.interface,
-                              .hub = mu_network_peers(&r->set->network)};
-    if (bus_open(&l->bus, &bus) != MU_OK ||
+    network.domain = domain;
+    if (bus_join(&l->bus, &network, BUS_AGENT, "operator") != MU_OK ||
         bus_reader_open(&l->bus, BUS_RUN_STATUS, NULL, &l->status) != MU_OK ||
         bus_reader_open(&l->bus, BUS_RUN_ANSWER, NULL, &l->answers) != MU_OK ||
         bus_writer_open(&l->bus, BUS_RUN_COMMAND, NULL, NULL, &l->commands) != MU_OK) {

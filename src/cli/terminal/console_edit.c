@@ -107,8 +107,7 @@ static void history_place(char file[PATH_MAX])
 {
     const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
     char folder[PATH_MAX];
-    struct mu_text t;
-    mu_text_init(&t, folder, sizeof folder);
+    struct mu_text t = mu_text_in(folder, sizeof folder);
     if (state && state[0] == '/') {
         mu_text_add(&t, state);
     } else if (home && home[0] == '/') {
