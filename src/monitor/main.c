@@ -184,7 +184,10 @@ static mu_result monitor_think(void)
     struct robot *r = monitor.self;
     struct mu_fault fault;
     MU_TRY(mu_path_rules_need(folder, sizeof folder, "muster monitor"));
-    MU_ASSERT(mu_path_join(path, sizeof path, folder, "monitor.clp"));
+    if (!mu_path_join(path, sizeof path, folder, "monitor.clp")) {
+        fprintf(stderr, "muster monitor: the path of the shared rules is too long\n");
+        return MU_FAULT_FILE;
+    }
     struct mind_options options = {.read = mu_text_file_read,
                                    .name = r->name,
                                    .seed = (uint64_t)monitor.set.seed,
