@@ -342,9 +342,11 @@ def test_a_silent_controller_is_a_fault():
 
 
 def test_a_run_that_gets_no_time_hears_of_its_end():
-    """Its simulator waits for it: who looks on has heard it all long before."""
+    """Its simulator waits for it; observers have heard it all long before.
+
+    The run is short: its end must come before the lease of the stopped process ends, 10 s."""
     with folder() as out, Processes() as processes:
-        run, children, domain = run_start(processes, out / "r")
+        run, children, domain = run_start(processes, out / "r", "--duration", "20")
         simulator = next(pid for pid in children if command_of(pid) == "muster-sim")
         with open(out / "top", "w") as said:
             top = processes.start(MUSTER, "top", "--json", "--domain", domain, stdout=said)
