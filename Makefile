@@ -164,7 +164,7 @@ CLIPS_CFLAGS := -std=gnu89 -w -g -ffp-contract=off -fno-strict-aliasing -fPIC -f
 PORT_ENVIRONMENT := envrnmnt
 PORT_MEMORY      := memalloc
 PORT_CALLS       := dffnxexe engine genrcexe msgpass
-$(CLIPS)/core/whole: tools/clips-source $(wildcard patches/clips/*.patch) | deps
+$(CLIPS)/core/whole: tools/clips-source patches/clips $(wildcard patches/clips/*.patch) | deps
 	$(Q)tools/clips-source $(CLIPS) && touch $@
 $(CLIPS_O)/libclips.a: $(CLIPS)/core/whole src/mind/engine/port.h
 	@mkdir -p $(@D); echo "  CC    $(CLIPS)/core/*.c"
@@ -237,7 +237,8 @@ $(O)/bench/%: $(O)/bench/%.o $$(call module_objs,$$(call bench_module,$$*))
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_$(call bench_module,$*))
 
-$(O)/%.o: %.c $(O)/flags | $(GEN:.o=.h) deps $(CLIPS)/core/whole
+# gcc names no header of -isystem, and a patch of CLIPS may change a struct.
+$(O)/%.o: %.c $(O)/flags $(CLIPS)/core/whole | $(GEN:.o=.h) deps
 	@mkdir -p $(@D); echo "  CC    $<"
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
 
