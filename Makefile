@@ -159,7 +159,7 @@ $(PROGRAMS): $(O)/bin/%: $(O)/src/$$(MAIN_$$*)/main.o $$(call module_objs,$$(MAI
 # CLIPS from its source, with our patches and our port: once for all builds, and once more for the
 # address sanitizer, which sees each block of it.  Its own undefined behaviour is let be: docs/clips.md.
 CLIPS_O      := $(CLIPS)$(if $(filter asan,$(BUILD)),/asan)
-CLIPS_CFLAGS := -std=gnu89 -w -g -ffp-contract=off -fno-strict-aliasing -fPIC -ffunction-sections -fdata-sections \
+CLIPS_CFLAGS := -std=gnu89 -w -g -ffp-contract=off -fno-strict-aliasing -fPIE -ffunction-sections -fdata-sections \
                 $(if $(filter asan,$(BUILD)),-O1 -fsanitize=address -fno-omit-frame-pointer -DMEM_TABLE_SIZE=0,-O2)
 PORT_ENVIRONMENT := envrnmnt
 PORT_MEMORY      := memalloc
