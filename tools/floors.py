@@ -20,6 +20,12 @@ FLOORS = {
     "world/model": "world.h",
     "world/read": "builder.h",
     "world": "world_load.h",
+    "experiment/yaml": "yaml_tree.h",
+    "experiment": "experiment.h",
+    "report/drawing": "drawing.h",
+    "report": "report.h",
+    "report/compare": "compare.h",
+    "mcap": "mcap.h",
     "story": "story.h",
     "operator": "operator.h",
     "run": "run.h",
@@ -66,11 +72,7 @@ REACHES_UP = set()
 # Modules with floors that are being put in order: `tools/tidy.py --floors` lists what is left.
 UNFINISHED = set()
 # Circles of files that later work cures, by module: the sizes may shrink, and never grow.
-CIRCLES = {
-    "experiment": [8],
-    "report": [6],
-    "mcap": [2, 2],
-}
+CIRCLES = {}
 # The same of folders.
 FOLDER_CIRCLES = {}
 # Pointers in headers through which a lower floor calls a higher one: holder, how many, why.

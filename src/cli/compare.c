@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster compare: what several runs amount to. */
-#include "report/compare.h"
+#include "report/compare/compare.h"
 
 #include "cli/verbs.h"
 #include "core/exits.h"

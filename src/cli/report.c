@@ -15,7 +15,7 @@
 #include "core/text.h"
 #include "muster/memory.h"
 #include "operator/operator.h"
-#include "report/summary.h"
+#include "report/report.h"
 #include "world/world_load.h"
 
 #include <errno.h>

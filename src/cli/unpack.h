@@ -10,7 +10,7 @@
 #ifndef MUSTER_CLI_UNPACK_H
 #define MUSTER_CLI_UNPACK_H
 
-#include "mcap/mcap_read.h"
+#include "mcap/mcap.h"
 #include "report/report.h"
 
 #include <limits.h>

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/fault.h"
 
+#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 /* A control character from a file could command a terminal. */
 static void text_disarm(char *text)
@@ -24,6 +26,12 @@ mu_result mu_fault_at(struct mu_fault *fault, const char *file, int line, int co
     va_end(args);
     text_disarm(fault->text);
     return MU_FAULT_FILE;
+}
+
+mu_result mu_fault_os(struct mu_fault *fault, const char *file, const char *what)
+{
+    (void)mu_fault_at(fault, file, 0, 0, "cannot %s: %s", what, strerror(errno));
+    return MU_FAULT_OS;
 }
 
 void mu_fault_print(const struct mu_fault *fault)

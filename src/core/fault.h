@@ -45,6 +45,9 @@ struct mu_fault_listener {
 mu_result mu_fault_at(struct mu_fault *fault, const char *file, int line, int column,
                       const char *format, ...) __attribute__((format(printf, 5, 6)));
 
+/** Fills a fault with "cannot WHAT: ", and why by errno.  @return MU_FAULT_OS */
+mu_result mu_fault_os(struct mu_fault *fault, const char *file, const char *what);
+
 /** Prints "file:line:column: text" to standard error, without the numbers that are not known. */
 void mu_fault_print(const struct mu_fault *fault);
 

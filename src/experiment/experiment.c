@@ -2,8 +2,7 @@
 #include "experiment/experiment.h"
 
 #include "core/text.h"
-#include "experiment/experiment_schema.h"
-#include "experiment/yaml_check.h"
+#include "experiment/experiment_source.h"
 #include "muster/memory.h"
 
 #include <errno.h>
@@ -99,25 +98,6 @@ static mu_result experiment_read(const char *path, size_t *len, struct mu_fault 
     }
     fclose(file);
     return result;
-}
-
-mu_result experiment_fault(struct experiment_source *source, const void *field, int node,
-                           const char *format, ...)
-{
-    char text[MU_FAULT_TEXT_MAX + 1];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    for (size_t i = source->overrides_count; i > 0; i--) {
-        if (source->overrides[i - 1].field == field) {
-            char place[MU_FAULT_FILE_MAX + 1];
-            snprintf(place, sizeof place, "--set %s", source->overrides[i - 1].text);
-            mu_fault_at(source->fault, place, 0, 0, "%s", text);
-            return MU_FAULT_USAGE;
-        }
-    }
-    return yaml_tree_fault(source->tree, node, source->fault, "%s", text);
 }
 
 static mu_result experiment_take_folder(struct experiment_source *source)

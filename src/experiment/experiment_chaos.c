@@ -2,10 +2,9 @@
 /* What goes wrong on purpose: which keys belong together, and what they may say. */
 #include "core/sensors.h"
 #include "core/text.h"
-#include "experiment/experiment_schema.h"
+#include "experiment/experiment_source.h"
 #include "muster/memory.h"
 
-#include <stdio.h>
 #include <string.h>
 
 /* What is struck: a body of the world, or a part of the run that is a process. */

@@ -3,17 +3,12 @@
 #include "core/address.h"
 #include "core/attributes.h"
 #include "core/name.h"
-#include "experiment/experiment_schema.h"
+#include "experiment/experiment_source.h"
 #include "muster/limits.h"
-#include "muster/memory.h"
 
-#include <errno.h>
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum {
     CHECK_DURATION_MAX_S = EXPERIMENT_DURATION_MAX_S,
@@ -25,66 +20,6 @@ enum {
     CHECK_RESTARTS_MAX = 1000,
     CHECK_RETURN_MAX_S = 3600
 };
-
-int experiment_section(struct experiment_source *s, const char *key)
-{
-    return yaml_tree_child(s->tree, yaml_tree_root(s->tree), key);
-}
-
-int experiment_item(struct experiment_source *s, const char *key, size_t index)
-{
-    return yaml_tree_item(s->tree, experiment_section(s, key), index);
-}
-
-const struct experiment_robot *experiment_find_robot(const struct experiment *e, const char *name)
-{
-    for (unsigned i = 0; i < e->robots_count; i++) {
-        if (strcmp(e->robots[i].name, name) == 0) {
-            return &e->robots[i];
-        }
-    }
-    return NULL;
-}
-
-bool experiment_overridden(const struct experiment_source *s, const void *field)
-{
-    for (size_t i = 0; i < s->overrides_count; i++) {
-        if (s->overrides[i].field == field) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static const char *files_root = "";
-
-void experiment_root(const char *folder)
-{
-    files_root = folder;
-}
-
-bool experiment_is_recorded(void)
-{
-    return files_root[0] != '\0';
-}
-
-mu_result experiment_check_file(struct experiment_source *s, char **path, int node,
-                                const char *what)
-{
-    char joined[PATH_MAX], absolute[PATH_MAX];
-    bool relative = (*path)[0] != '/';
-    int len = snprintf(joined, sizeof joined, "%s%s%s",
-                       relative ? s->experiment->folder : files_root, relative ? "/" : "", *path);
-    if (len < 0 || (size_t)len >= sizeof joined) {
-        return experiment_fault(s, path, node, "expected a shorter path");
-    }
-    if (!realpath(joined, absolute) || access(absolute, R_OK) != 0) {
-        return experiment_fault(s, path, node, "cannot read the %s '%s': %s", what, joined,
-                                strerror(errno));
-    }
-    *path = mu_startup_string(absolute);
-    return MU_OK;
-}
 
 /* @return whether muster-resolver knows it */
 static bool check_scheme(const char *scheme)
@@ -118,16 +53,6 @@ static mu_result check_resolvers(struct experiment_source *s)
     return MU_OK;
 }
 
-/* @return the index of a host, or how many there are */
-unsigned experiment_find_host(const struct experiment *e, const char *name)
-{
-    unsigned i = 0;
-    while (i < e->hosts_count && strcmp(e->hosts[i], name) != 0) {
-        i++;
-    }
-    return i;
-}
-
 static mu_result check_hosts(struct experiment_source *s)
 {
     const struct experiment *e = s->experiment;
@@ -156,16 +81,6 @@ static mu_result check_simulator(struct experiment_source *s)
                                 EXPERIMENT_THREADS_MAX, (unsigned long long)*threads);
     }
     return MU_OK;
-}
-
-/* @return the index of a broker, or how many there are */
-unsigned experiment_find_broker(const struct experiment *e, const char *name)
-{
-    unsigned i = 0;
-    while (i < e->brokers_count && strcmp(e->brokers[i], name) != 0) {
-        i++;
-    }
-    return i;
 }
 
 static mu_result check_checkpoint(struct experiment_source *s, const double *checkpoint_s, int node)

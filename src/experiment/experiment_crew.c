@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* `count: 100, processes: 2` beside a robot's name: a hundred robots in two processes. */
-#include "experiment/experiment_schema.h"
+#include "experiment/experiment_source.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
 

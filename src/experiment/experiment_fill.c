@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What libcyaml's schemas cannot say: keys that the user invents, one value or a list of them, and
  * values of keys that are absent. */
-#include "experiment/experiment_schema.h"
+#include "experiment/experiment_source.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
 

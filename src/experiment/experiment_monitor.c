@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Who looks at a run: rules, or a program of the user's. */
 #include "core/name.h"
-#include "experiment/experiment_schema.h"
+#include "experiment/experiment_source.h"
 #include "muster/memory.h"
 
 #include <string.h>

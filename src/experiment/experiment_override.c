@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* --set key=value: what may be set, and how. */
 #include "core/text.h"
-#include "experiment/experiment_schema.h"
-#include "experiment/yaml_check.h"
+#include "experiment/experiment_source.h"
 #include "muster/memory.h"
 
 #include <limits.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "experiment/experiment_schema.h"
+#include "experiment/experiment_source.h"
 
 #include "muster/limits.h"
 

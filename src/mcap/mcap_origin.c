@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "mcap/mcap_origin.h"
+#include "mcap/mcap.h"
 
 #include <stdlib.h>
 #include <time.h>

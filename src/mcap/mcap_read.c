@@ -2,7 +2,7 @@
 /*
  * Opens a recording: by its summary or, where that is missing or wrong, by reading all of it.
  */
-#include "mcap/mcap_read.h"
+#include "mcap/mcap.h"
 
 #include "core/sort.h"
 #include "core/text.h"
@@ -34,24 +34,6 @@ struct mcap_reader *mcap_reader_create(void)
         r->slots[i].entries = mu_startup_array(READER_ENTRIES, sizeof *r->slots[i].entries);
     }
     return r;
-}
-
-mu_result mcap_reader_bytes(const struct mcap_reader *r, uint64_t at, void *to, size_t count)
-{
-    if (at > r->size || count > r->size - at) {
-        return MU_MALFORMED;
-    }
-    for (size_t done = 0; done < count;) {
-        ssize_t got = pread(r->fd, (char *)to + done, count - done, (off_t)(at + done));
-        if (got < 0 && errno != EINTR) {
-            return MU_FAULT_OS;
-        }
-        if (got == 0) {
-            return MU_MALFORMED; /* it has become shorter */
-        }
-        done += got > 0 ? (size_t)got : 0;
-    }
-    return MU_OK;
 }
 
 /* A record in the file: its head, and where its content is. */

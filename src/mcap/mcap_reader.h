@@ -6,8 +6,8 @@
 #ifndef MUSTER_MCAP_MCAP_READER_H
 #define MUSTER_MCAP_MCAP_READER_H
 
+#include "mcap/mcap.h"
 #include "mcap/mcap_bytes.h"
-#include "mcap/mcap_read.h"
 #include "muster/limits.h"
 
 enum {

@@ -1,6 +1,4 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "mcap/mcap_write.h"
-
 #include "core/clock.h"
 #include "core/text.h"
 #include "mcap/mcap_writer.h"
@@ -36,40 +34,6 @@ struct mcap_writer *mcap_writer_create(void)
     room_take(&w->channel_records, MU_RECORD_TYPES_BYTES / 2);
     w->entries = mu_startup_array(WRITER_CHUNK_MESSAGES, sizeof *w->entries);
     return w;
-}
-
-/* --- bytes into the file ---------------------------------------------------------------------- */
-
-/* Writes both, one after the other, as one where the system lets us. */
-static void pieces_put(struct mcap_writer *w, struct iovec *pieces, int count)
-{
-    while (count > 0 && w->error == 0) {
-        ssize_t wrote = writev(w->fd, pieces, count);
-        if (wrote < 0) {
-            w->error = errno == EINTR ? 0 : errno;
-            continue;
-        }
-        if (wrote == 0 && pieces->iov_len > 0) { /* a file that takes nothing, and says nothing */
-            w->error = EIO;
-        }
-        w->offset += (uint64_t)wrote;
-        size_t left = (size_t)wrote;
-        while (count > 0 && left >= pieces->iov_len) {
-            left -= pieces->iov_len;
-            pieces++;
-            count--;
-        }
-        if (count > 0) {
-            pieces->iov_base = (char *)pieces->iov_base + left;
-            pieces->iov_len -= left;
-        }
-    }
-}
-
-void mcap_writer_put(struct mcap_writer *w, const void *bytes, size_t count)
-{
-    struct iovec piece = {.iov_base = (void *)(uintptr_t)bytes, .iov_len = count};
-    pieces_put(w, &piece, 1);
 }
 
 /* --- chunks ----------------------------------------------------------------------------------- */
@@ -134,7 +98,7 @@ void mcap_writer_flush(struct mcap_writer *w)
     }
     struct iovec pieces[] = {{.iov_base = w->chunk.at, .iov_len = w->chunk.len},
                              {.iov_base = w->index.at, .iov_len = w->index.len}};
-    pieces_put(w, pieces, w->index.len > 0 ? 2 : 1);
+    mcap_writer_put_pieces(w, pieces, w->index.len > 0 ? 2 : 1);
     w->chunks++;
     chunk_begin(w);
 }
@@ -314,7 +278,7 @@ mu_result mcap_writer_attach(struct mcap_writer *w, const char *name, const char
     struct iovec pieces[] = {{.iov_base = buffer, .iov_len = head.len},
                              {.iov_base = (void *)(uintptr_t)bytes, .iov_len = size},
                              {.iov_base = sum, .iov_len = sizeof sum}};
-    pieces_put(w, pieces, 3);
+    mcap_writer_put_pieces(w, pieces, 3);
     w->attachments++;
     return w->error ? MU_FAULT_OS : MU_OK;
 }

@@ -6,9 +6,11 @@
 #ifndef MUSTER_MCAP_MCAP_WRITER_H
 #define MUSTER_MCAP_MCAP_WRITER_H
 
+#include "mcap/mcap.h"
 #include "mcap/mcap_bytes.h"
-#include "mcap/mcap_write.h"
 #include "muster/limits.h"
+
+#include <sys/uio.h>
 
 enum {
     WRITER_CHUNK_BYTES = 1 << 20,    /* a chunk is closed when it has so many */
@@ -53,8 +55,9 @@ struct mcap_writer {
     uint32_t attachments, tables, chunks;
 };
 
-/** Writes bytes at the end of the file, or keeps the error. */
+/** Write bytes at the end of the file, or keep the error. */
 void mcap_writer_put(struct mcap_writer *w, const void *bytes, size_t count);
+void mcap_writer_put_pieces(struct mcap_writer *w, struct iovec *pieces, int count);
 
 /** Writes the chunk at hand, and begins a new one. */
 void mcap_writer_flush(struct mcap_writer *w);

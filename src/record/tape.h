@@ -8,7 +8,7 @@
 #define MUSTER_RECORD_TAPE_H
 
 #include "bus/raw/raw.h"
-#include "mcap/mcap_write.h"
+#include "mcap/mcap.h"
 #include "muster/limits.h"
 
 enum { TAPE_WRITERS = 4096, TAPE_TYPE_MAX = TAP_NAME_MAX + 64 };

@@ -3,7 +3,7 @@
 #include "bus/raw/raw.h"
 
 #include "core/text.h"
-#include "mcap/mcap_origin.h"
+#include "mcap/mcap.h"
 #include "muster/memory.h"
 
 #include <stdio.h>

@@ -11,7 +11,7 @@
 
 #include "bus/raw/raw.h"
 #include "core/options.h"
-#include "mcap/mcap_read.h"
+#include "mcap/mcap.h"
 #include "muster/limits.h"
 
 struct channels {

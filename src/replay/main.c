@@ -6,7 +6,7 @@
 #include "core/network.h"
 #include "core/options.h"
 #include "core/signals.h"
-#include "mcap/mcap_read.h"
+#include "mcap/mcap.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
 #include "replay/channels.h"

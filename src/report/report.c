@@ -1,18 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "report/report.h"
-
 #include "muster/memory.h"
 #include "report/report_data.h"
 
 #include <errno.h>
-#include <string.h>
 #include <unistd.h>
-
-mu_result report_os_fault(struct mu_fault *fault, const char *path, const char *what)
-{
-    mu_fault_at(fault, path, 0, 0, "cannot %s: %s", what, strerror(errno));
-    return MU_FAULT_OS;
-}
 
 struct report_file {
     const char *name;
@@ -35,12 +26,12 @@ static mu_result report_write_file(const struct report_file *what, const char *f
     int len = snprintf(draft, sizeof draft, "%s/.%s.new", folder, what->name);
     if (len < 0 || (size_t)len >= sizeof draft) {
         errno = ENAMETOOLONG;
-        return report_os_fault(fault, folder, "write the report");
+        return mu_fault_os(fault, folder, "write the report");
     }
     snprintf(path, sizeof path, "%s/%s", folder, what->name);
     FILE *file = fopen(draft, "we");
     if (!file) {
-        return report_os_fault(fault, path, "write");
+        return mu_fault_os(fault, path, "write");
     }
     if (what->write) {
         what->write(file, data);
@@ -55,7 +46,7 @@ static mu_result report_write_file(const struct report_file *what, const char *f
         why = written ? errno : why;
         unlink(draft);
         errno = why;
-        return report_os_fault(fault, path, "write");
+        return mu_fault_os(fault, path, "write");
     }
     return MU_OK;
 }

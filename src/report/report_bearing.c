@@ -2,8 +2,6 @@
 /* bearing.svg: where each robot headed over time; after figure 6 of the paper. */
 #include "core/text.h"
 #include "report/report_data.h"
-#include "report/report_legend.h"
-#include "report/svg.h"
 
 #include <math.h>
 #include <string.h>

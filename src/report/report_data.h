@@ -7,8 +7,8 @@
 #define MUSTER_REPORT_DATA_H
 
 #include "core/palette.h"
+#include "report/drawing/drawing.h"
 #include "report/report.h"
-#include "report/svg.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -126,7 +126,25 @@ void report_write_timeline(FILE *file, const struct report_data *data);
 /** @param folder  for links to files that are there */
 void report_write_html(FILE *file, const struct report_data *data, const char *folder);
 
-/** Says in fault why what could not be done to a path, out of errno.  @return MU_FAULT_OS */
-mu_result report_os_fault(struct mu_fault *fault, const char *path, const char *what);
+/* --- report_legend.c: the list of robots, and the marks of start and end, in both pictures
+ * -------- */
+
+enum { REPORT_LEGEND_ROW = 20, REPORT_LEGEND_MAX = 24 };
+
+/** Lists the robots by colour; beyond REPORT_LEGEND_MAX it says how many more there are. */
+void report_legend(FILE *file, const struct report_data *data, double x_px, double y_px);
+
+/** @return the pixels that the longest name needs */
+double report_legend_width(const struct report_data *data);
+
+/** @return the pixels that the list and some more rows need */
+double report_legend_height(const struct report_data *data, unsigned more_rows);
+
+/** Explains the marks.  mark_s: between two dots; 0: there are none */
+void report_legend_marks(FILE *file, double x_px, double y_px, double mark_s);
+
+/* Marks in the colour of the group that they stand in. */
+void report_legend_start(FILE *file, const double at[2]);
+void report_legend_end(FILE *file, const double at[2]);
 
 #endif

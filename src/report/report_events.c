@@ -4,7 +4,6 @@
 #include "report/report_data.h"
 #include "world/condition/condition.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,7 +50,7 @@ mu_result report_events_read(struct report_data *data, const char *folder, struc
     snprintf(path, sizeof path, "%s/events.csv", folder);
     FILE *file = fopen(path, "re");
     if (!file) {
-        return report_os_fault(fault, path, "read");
+        return mu_fault_os(fault, path, "read");
     }
     mu_result read = MU_OK;
     for (int number = 1; read == MU_OK && fgets(line, sizeof line, file); number++) {

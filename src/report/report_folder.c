@@ -8,7 +8,6 @@
  */
 #include "core/paths.h"
 #include "core/text.h"
-#include "report/report.h"
 #include "report/report_data.h"
 
 #include <dirent.h>
@@ -53,11 +52,11 @@ static mu_result report_move_away(const char *path, struct mu_fault *fault)
     for (int i = 1; i <= FOLDER_NUMBER_MAX && path_number(to, sizeof to, path, i); i++) {
         if (lstat(to, &info) != 0 && errno == ENOENT) {
             return rename(path, to) == 0 ? MU_OK
-                                         : report_os_fault(fault, path, "move the earlier report");
+                                         : mu_fault_os(fault, path, "move the earlier report");
         }
     }
     errno = EEXIST;
-    return report_os_fault(fault, path, "move the earlier report");
+    return mu_fault_os(fault, path, "move the earlier report");
 }
 
 static bool folder_has(int fd, const char *name)
@@ -105,11 +104,11 @@ static mu_result folder_lock(int fd, const char *path, struct mu_fault *fault)
     if (lock < 0) {
         return errno == ENOENT || errno == EEXIST
                    ? MU_BUSY
-                   : report_os_fault(fault, path, "write into the folder");
+                   : mu_fault_os(fault, path, "write into the folder");
     }
     if (flock(lock, LOCK_EX | LOCK_NB) != 0) {
         close(lock);
-        return report_os_fault(fault, path, "lock the folder");
+        return mu_fault_os(fault, path, "lock the folder");
     }
     return MU_OK;
 }
@@ -142,14 +141,14 @@ static mu_result folder_claim(int fd, const char *path, struct mu_fault *fault)
 static mu_result folder_try(const char *path, struct mu_fault *fault)
 {
     if (mkdir(path, 0777) != 0 && errno != EEXIST) {
-        return report_os_fault(fault, path, "create the folder");
+        return mu_fault_os(fault, path, "create the folder");
     }
     int fd = open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
     if (fd < 0 && (errno == ENOTDIR || errno == ELOOP)) {
         return folder_refuse(fault, path, "is there and is not a report of muster");
     }
     if (fd < 0) {
-        return errno == ENOENT ? MU_BUSY : report_os_fault(fault, path, "read the folder");
+        return errno == ENOENT ? MU_BUSY : mu_fault_os(fault, path, "read the folder");
     }
     /* Held for a moment only.  Where folders cannot be locked (NFS), we go on without. */
     (void)flock(fd, LOCK_EX);
@@ -166,7 +165,7 @@ static mu_result folder_take(const char *path, struct mu_fault *fault)
     }
     if (taken == MU_BUSY) {
         errno = EBUSY;
-        return report_os_fault(fault, path, "take the folder");
+        return mu_fault_os(fault, path, "take the folder");
     }
     return taken;
 }
@@ -186,7 +185,7 @@ static mu_result folder_take_numbered(char *taken, size_t size, const char *path
         }
     }
     errno = EEXIST;
-    return report_os_fault(fault, path, "create a folder beside");
+    return mu_fault_os(fault, path, "create a folder beside");
 }
 
 mu_result report_folder(const char *wanted, bool or_beside, char *taken, size_t size,
@@ -195,13 +194,13 @@ mu_result report_folder(const char *wanted, bool or_beside, char *taken, size_t 
     char path[PATH_MAX];
     if (!mu_text_copy(path, sizeof path, wanted) || !wanted[0]) {
         errno = wanted[0] ? ENAMETOOLONG : ENOENT;
-        return report_os_fault(fault, wanted, "create the folder");
+        return mu_fault_os(fault, wanted, "create the folder");
     }
     for (size_t len = strlen(path); len > 1 && path[len - 1] == '/'; len--) {
         path[len - 1] = '\0';
     }
     if (!mu_path_make_folders(path, 0777)) {
-        return report_os_fault(fault, path, "create the folder");
+        return mu_fault_os(fault, path, "create the folder");
     }
     mu_result done = folder_take(path, fault);
     if (done == MU_EXISTS) {
@@ -210,7 +209,7 @@ mu_result report_folder(const char *wanted, bool or_beside, char *taken, size_t 
     }
     if (done == MU_OK && !mu_text_copy(taken, size, path)) {
         errno = ENAMETOOLONG;
-        return report_os_fault(fault, path, "create the folder");
+        return mu_fault_os(fault, path, "create the folder");
     }
     return done;
 }

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* report.html: one page without scripts or links to elsewhere. */
-#include "report/page.h"
 #include "report/report_data.h"
-#include "report/svg.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "report/report_legend.h"
-
-#include "report/svg.h"
+#include "report/report_data.h"
 
 #include <string.h>
 

@@ -22,18 +22,12 @@ enum read_column {
 
 enum { READ_LINE_MAX = 512 };
 
-static mu_result read_fault(const char *path, struct mu_fault *fault)
-{
-    mu_fault_at(fault, path, 0, 0, "cannot read: %s", strerror(errno));
-    return MU_FAULT_OS;
-}
-
 /* @return MU_OK with a line without its end, MU_DONE, or a fault */
 static mu_result read_line(struct report_reader *r, char line[READ_LINE_MAX],
                            struct mu_fault *fault)
 {
     if (!fgets(line, READ_LINE_MAX, r->file)) {
-        return ferror(r->file) ? read_fault(r->path, fault) : MU_DONE;
+        return ferror(r->file) ? mu_fault_os(fault, r->path, "read") : MU_DONE;
     }
     r->line++;
     size_t len = strlen(line);
@@ -58,7 +52,7 @@ static mu_result read_count_lines(struct report_reader *r, size_t *lines, struct
             (*lines)++;
         }
     }
-    return ferror(r->file) ? read_fault(r->path, fault) : MU_OK;
+    return ferror(r->file) ? mu_fault_os(fault, r->path, "read") : MU_OK;
 }
 
 /* placements.csv is there when somebody was placed; its rows are in the order of run.csv's. */
@@ -101,7 +95,7 @@ mu_result report_reader_open(struct report_reader *r, const char *folder,
     bool fits = len > 0 && (size_t)len < sizeof r->path;
     r->file = fits ? fopen(r->path, "re") : NULL;
     if (!r->file) {
-        return read_fault(r->path, fault);
+        return mu_fault_os(fault, r->path, "read");
     }
     char line[READ_LINE_MAX];
     mu_result result = read_count_lines(r, rows_max, fault);

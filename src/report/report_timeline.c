@@ -2,7 +2,6 @@
 /* What happened when: commands, chaos, and what was expected, a row each over one axis of time. */
 #include "core/text.h"
 #include "report/report_data.h"
-#include "report/svg.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* tracks.svg: the world, and where each robot went; after figure 5 of the paper. */
 #include "report/report_data.h"
-#include "report/report_legend.h"
-#include "report/svg.h"
 
 #include <math.h>
 

@@ -5,7 +5,7 @@
 #include "core/exits.h"
 #include "core/text.h"
 #include "muster/memory.h"
-#include "report/compare.h"
+#include "report/compare/compare.h"
 #include "run/supervise.h"
 
 #include <inttypes.h>

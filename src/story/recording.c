@@ -3,7 +3,7 @@
 
 #include "bus/bus.h"
 #include "bus/raw/raw.h"
-#include "mcap/mcap_origin.h"
+#include "mcap/mcap.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
 

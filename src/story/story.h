@@ -8,7 +8,7 @@
 
 #include "core/table.h"
 #include "core/text.h"
-#include "mcap/mcap_read.h"
+#include "mcap/mcap.h"
 #include "muster/limits.h"
 #include "wire.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster world draw: what a world holds, as SVG. */
 #include "muster/memory.h"
-#include "report/svg.h"
+#include "report/drawing/drawing.h"
 #include "world/world_load.h"
 #include "worldtool/worldtool.h"
 

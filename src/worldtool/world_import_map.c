@@ -2,8 +2,7 @@
 /* muster world import of a map of ROS's map_server: a picture, and a YAML file that says how large.
  */
 #include "core/json.h"
-#include "experiment/yaml_check.h"
-#include "experiment/yaml_tree.h"
+#include "experiment/yaml/yaml_tree.h"
 #include "muster/memory.h"
 #include "world/parse/parser.h"
 #include "worldtool/worldtool.h"

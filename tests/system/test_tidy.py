@@ -22,7 +22,7 @@ def tidied(out, files, *words, built=True):
     cured.write_text(re.sub(r"^CURED = .*?$", 'CURED = {"mind", "sim"}', cured.read_text(), flags=re.M))
     floors = out / "tools/floors.py"
     text = re.sub(r"^UNFINISHED = .*$", "UNFINISHED = set()", floors.read_text(), flags=re.M)
-    floors.write_text(re.sub(r"^CIRCLES = \{.*?^\}$", 'CIRCLES = {"core": [2]}', text, flags=re.M | re.S))
+    floors.write_text(re.sub(r"^CIRCLES = \{.*?\}$", 'CIRCLES = {"core": [2]}', text, flags=re.M | re.S))
     for name, text in files.items():
         path = out / "src" / name
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -6,7 +6,7 @@
 #include "core/paths.h"
 #include "core/table.h"
 #include "core/text.h"
-#include "mcap/mcap_write.h"
+#include "mcap/mcap.h"
 #include "muster/memory.h"
 #include "world/parse/parser.h"
 

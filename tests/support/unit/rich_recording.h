@@ -8,7 +8,7 @@
 
 #include "bus/bus.h"
 #include "bus/raw/raw.h"
-#include "mcap/mcap_write.h"
+#include "mcap/mcap.h"
 #include "rich.h"
 #include "wound.h"
 

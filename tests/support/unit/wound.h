@@ -8,7 +8,7 @@
 #define MUSTER_TESTS_WOUND_H
 
 #include "core/random.h"
-#include "mcap/mcap_format.h"
+#include "mcap/mcap_bytes.h"
 
 #include <stddef.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 /* The files of a recording come out of it where they stood, and never anywhere else. */
 #include "cli/unpack.h"
 #include "capture.h"
-#include "mcap/mcap_write.h"
+#include "mcap/mcap.h"
 #include "suite.h"
 
 #include <ftw.h>

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Recordings: what is written is read again, whatever becomes of the file in between. */
 #include "capture.h"
-#include "mcap/mcap_read.h"
-#include "mcap/mcap_write.h"
+#include "mcap/mcap.h"
 #include "muster/limits.h"
 #include "suite.h"
 

@@ -7,8 +7,7 @@
  * times as MUSTER_ROUNDS says.  Half of the wounds have their checksums mended, so that they get
  * behind them.
  */
-#include "mcap/mcap_read.h"
-#include "mcap/mcap_write.h"
+#include "mcap/mcap.h"
 #include "suite.h"
 #include "wound.h"
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Recordings whose summary leaves something out, or does not say what their chunks say. */
-#include "mcap/mcap_format.h"
-#include "mcap/mcap_read.h"
-#include "mcap/mcap_write.h"
+#include "mcap/mcap.h"
+#include "mcap/mcap_bytes.h"
 #include "suite.h"
 #include "wound.h"
 

@@ -5,7 +5,7 @@
 #include "bus/raw/raw.h"
 #include "bus/topics.h"
 #include "core/clock.h"
-#include "mcap/mcap_read.h"
+#include "mcap/mcap.h"
 #include "samples.h"
 #include "suite.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "report/compare.h"
+#include "report/compare/compare.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>

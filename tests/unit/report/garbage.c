@@ -2,7 +2,7 @@
 /* Experiments, overrides and records that are damaged: refused with their place, or read. */
 #include "experiment/experiment.h"
 #include "garble.h"
-#include "report/compare.h"
+#include "report/compare/compare.h"
 #include "report/report_data.h"
 #include "suite.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "report/summary.h"
 #include "core/json.h"
 #include "core/text.h"
+#include "report/report.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a run's recording says of how the run was made; the run itself is in tests/system. */
 #include "capture.h"
-#include "mcap/mcap_read.h"
+#include "mcap/mcap.h"
 #include "sim/record/record.h"
 #include "suite.h"
 

@@ -2,7 +2,7 @@
 /* For whom a Frame is made: nobody, a recording, readers of the latest, of every. */
 #include "bus/raw/raw.h"
 #include "core/clock.h"
-#include "mcap/mcap_read.h"
+#include "mcap/mcap.h"
 #include "physics.h"
 #include "samples.h"
 #include "sim/session/parts.h"

@@ -3,7 +3,7 @@
 #include "bus/bus.h"
 #include "bus/raw/raw.h"
 #include "core/text.h"
-#include "mcap/mcap_write.h"
+#include "mcap/mcap.h"
 #include "story/story.h"
 #include "suite.h"
 

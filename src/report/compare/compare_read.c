@@ -3,8 +3,8 @@
 #include "core/hash.h"
 #include "core/text.h"
 #include "muster/memory.h"
-#include "report/compare.h"
-#include "report/summary.h"
+#include "report/compare/compare.h"
+#include "report/report.h"
 
 #include <inttypes.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "experiment/yaml_check.h"
+#include "experiment/yaml/yaml_tree.h"
 
 #include "core/text.h"
 

@@ -2,7 +2,7 @@
 /* A comparison for terminals and for programs. */
 #include "core/json.h"
 #include "core/text.h"
-#include "report/compare.h"
+#include "report/compare/compare.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "report/svg.h"
+#include "report/drawing/drawing.h"
 
 #include "core/text.h"
 

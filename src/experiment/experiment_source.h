@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
- * @file experiment_schema.h
+ * @file experiment_source.h
  * The keys of an experiment file, and the steps in which experiment.c loads one.
  */
-#ifndef MUSTER_EXPERIMENT_SCHEMA_H
-#define MUSTER_EXPERIMENT_SCHEMA_H
+#ifndef MUSTER_EXPERIMENT_SOURCE_H
+#define MUSTER_EXPERIMENT_SOURCE_H
 
 #include "experiment/experiment.h"
-#include "experiment/yaml_tree.h"
+#include "experiment/yaml/yaml_tree.h"
 
 #include <cyaml/cyaml.h>
 

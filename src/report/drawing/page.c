@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "report/page.h"
-
-#include "report/svg.h"
+#include "report/drawing/drawing.h"
 
 static const char page_style[] =
     ":root{color-scheme:light "

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "report/interval.h"
+#include "report/compare/compare.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Which statistics, which groups, and what the runs of each amount to. */
-#include "report/compare.h"
+#include "report/compare/compare.h"
 
 #include "core/text.h"
 #include "muster/memory.h"

@@ -2,7 +2,8 @@
 /**
  * @file yaml_tree.h
  * A YAML document with the place of each node, for what libcyaml cannot load (keys that the user
- * invents, one-or-many values) and for errors with line and column.
+ * invents, one-or-many values) and for errors with line and column; and its comparison with a
+ * libcyaml schema, before libcyaml loads it.
  *
  * Nodes are numbers from 1; 0 is "there is none", and every call understands it.
  */
@@ -11,6 +12,7 @@
 
 #include "core/fault.h"
 
+#include <cyaml/cyaml.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -52,5 +54,22 @@ int yaml_tree_child(struct yaml_tree *tree, int node, const char *key);
  */
 mu_result yaml_tree_fault(struct yaml_tree *tree, int node, struct mu_fault *fault,
                           const char *format, ...) __attribute__((format(printf, 4, 5)));
+
+/**
+ * Compares a node with a schema.
+ *
+ * libcyaml stops at the first mismatch, too, but it names neither the known keys nor the allowed
+ * words, reads "010" as eight, and takes NaN and -1 where they make no sense.
+ *
+ * @return MU_OK, or MU_FAULT_FILE with the place and what was expected there
+ */
+MU_MUST_USE mu_result yaml_check(struct yaml_tree *tree, int node,
+                                 const cyaml_schema_value_t *schema, struct mu_fault *fault);
+
+/** @return whether a text is a finite decimal number, all of it */
+bool yaml_check_real(const char *text, double *value);
+
+/** @return whether a text is a whole number from 0 to 2^64-1, decimal, without leading zeros */
+bool yaml_check_uint(const char *text, unsigned long long *value);
 
 #endif

@@ -1,19 +1,26 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
- * @file svg.h
- * Writes SVG: a few shapes, things of a world, paths that leave out what nobody sees, and axes.
+ * @file drawing.h
+ * Writes the frame of HTML pages, and SVG: a few shapes, things of a world, paths that leave out
+ * what nobody sees, and axes.
  *
  * Lengths are pixels, y downwards.  `style` is trusted text, such as "fill=\"none\""; every other
  * string may hold anything and is escaped.  Errors stay with the FILE.
  */
-#ifndef MUSTER_REPORT_SVG_H
-#define MUSTER_REPORT_SVG_H
+#ifndef MUSTER_REPORT_DRAWING_H
+#define MUSTER_REPORT_DRAWING_H
 
 #include "core/palette.h"
 #include "world/model/world.h"
 
 #include <stdbool.h>
 #include <stdio.h>
+
+/** Begins a page that stands alone, without scripts, in light and dark; what is given may hold
+ * anything and is escaped. */
+void page_open(FILE *file, const char *title, const char *heading);
+
+void page_close(FILE *file);
 
 /** Writes text for XML or HTML, in a double-quoted attribute or between tags. */
 void svg_escape(FILE *file, const char *text);

@@ -2,15 +2,12 @@
 /* compare.html: a plot for each statistic, every run a dot, every group a mean with its interval.
  */
 #include "core/text.h"
-#include "report/compare.h"
-#include "report/page.h"
-#include "report/report_data.h"
-#include "report/svg.h"
+#include "report/compare/compare.h"
+#include "report/drawing/drawing.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { PLOT_LEFT = 76, PLOT_TOP = 44, PLOT_BOTTOM = 46, PLOT_RIGHT = 24, PLOT_NAMED_MAX = 12 };
 #define PLOT_WIDTH_PX  620.0
@@ -274,7 +271,7 @@ mu_result compare_page(const struct compare *c, const char *path, struct mu_faul
 {
     FILE *file = fopen(path, "we");
     if (!file) {
-        return report_os_fault(fault, path, "write");
+        return mu_fault_os(fault, path, "write");
     }
     page_write(file, c);
     errno = 0;
@@ -282,5 +279,5 @@ mu_result compare_page(const struct compare *c, const char *path, struct mu_faul
     int why = errno ? errno : EIO;
     written = fclose(file) == 0 && written;
     errno = why;
-    return written ? MU_OK : report_os_fault(fault, path, "write");
+    return written ? MU_OK : mu_fault_os(fault, path, "write");
 }

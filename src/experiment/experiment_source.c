@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the steps of loading share: places, faults and files. */
+#include "experiment/experiment_source.h"
+
+#include "muster/memory.h"
+#include "world/condition/condition.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+mu_result experiment_fault(struct experiment_source *source, const void *field, int node,
+                           const char *format, ...)
+{
+    char text[MU_FAULT_TEXT_MAX + 1];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    for (size_t i = source->overrides_count; i > 0; i--) {
+        if (source->overrides[i - 1].field == field) {
+            char place[MU_FAULT_FILE_MAX + 1];
+            snprintf(place, sizeof place, "--set %s", source->overrides[i - 1].text);
+            mu_fault_at(source->fault, place, 0, 0, "%s", text);
+            return MU_FAULT_USAGE;
+        }
+    }
+    return yaml_tree_fault(source->tree, node, source->fault, "%s", text);
+}
+
+int experiment_section(struct experiment_source *s, const char *key)
+{
+    return yaml_tree_child(s->tree, yaml_tree_root(s->tree), key);
+}
+
+int experiment_item(struct experiment_source *s, const char *key, size_t index)
+{
+    return yaml_tree_item(s->tree, experiment_section(s, key), index);
+}
+
+bool experiment_overridden(const struct experiment_source *s, const void *field)
+{
+    for (size_t i = 0; i < s->overrides_count; i++) {
+        if (s->overrides[i].field == field) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static const char *files_root = "";
+
+void experiment_root(const char *folder)
+{
+    files_root = folder;
+}
+
+bool experiment_is_recorded(void)
+{
+    return files_root[0] != '\0';
+}
+
+mu_result experiment_check_file(struct experiment_source *s, char **path, int node,
+                                const char *what)
+{
+    char joined[PATH_MAX], absolute[PATH_MAX];
+    bool relative = (*path)[0] != '/';
+    int len = snprintf(joined, sizeof joined, "%s%s%s",
+                       relative ? s->experiment->folder : files_root, relative ? "/" : "", *path);
+    if (len < 0 || (size_t)len >= sizeof joined) {
+        return experiment_fault(s, path, node, "expected a shorter path");
+    }
+    if (!realpath(joined, absolute) || access(absolute, R_OK) != 0) {
+        return experiment_fault(s, path, node, "cannot read the %s '%s': %s", what, joined,
+                                strerror(errno));
+    }
+    *path = mu_startup_string(absolute);
+    return MU_OK;
+}
+
+mu_result experiment_check_condition(struct experiment_source *s, const char *text, int node)
+{
+    char why[CONDITION_WHY_MAX];
+    struct condition c;
+    const struct condition_names names = {.find = experiment_body_find,
+                                          .self = s->experiment,
+                                          .robots = (int)s->experiment->robots_count};
+    if (strlen(text) >= CONDITION_TEXT_MAX) {
+        return experiment_fault(s, NULL, node, "expected a condition of at most %d bytes",
+                                CONDITION_TEXT_MAX - 1);
+    }
+    return condition_read(&c, text, &names, why) == MU_OK
+               ? MU_OK
+               : experiment_fault(s, NULL, node, "%s", why);
+}
