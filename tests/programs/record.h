@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file record.h
- * The record of a program: a file of lines, each written with one write, so that a program that is
- * killed leaves whole lines only.
+ * The record of a program: a file of lines.  A program that is killed while it writes a line across
+ * two pages leaves the first half of it: its next life cuts that off, and takes that mail again.
  */
 #ifndef MUSTER_TESTS_RECORD_H
 #define MUSTER_TESTS_RECORD_H
@@ -12,10 +12,22 @@
 #include <stdio.h>
 #include <unistd.h>
 
+/* @return the length of a record up to the end of its last whole line */
+static inline off_t record_whole(int record, off_t len)
+{
+    char last = '\n';
+    while (len > 0 && pread(record, &last, 1, len - 1) == 1 && last != '\n') {
+        len--;
+    }
+    return len;
+}
+
 /** @return a descriptor, for reading too; an earlier life's record is gone on with; -1: refused */
 static inline int record_open(const char *path)
 {
-    return open(path, O_RDWR | O_CREAT | O_APPEND, 0600);
+    int record = open(path, O_RDWR | O_CREAT | O_APPEND, 0600);
+    off_t len = record < 0 ? -1 : lseek(record, 0, SEEK_END);
+    return len >= 0 && ftruncate(record, record_whole(record, len)) == 0 ? record : -1;
 }
 
 static inline void record_line(int record, const char *format, ...)
