@@ -314,6 +314,30 @@ enum {
 /* The two schedules that a mail may stand in; see timers.h. */
 enum timers_kind { TIMERS_DUE, TIMERS_EXPIRY, TIMERS_KINDS };
 
+/* What the sender of a mail was told of it: nothing, that it waits, or the last word. */
+enum mail_told { TOLD_NOTHING, TOLD_STORED, TOLD_LAST, TOLD_STATES };
+enum mail_told_event { TOLD_STORES, TOLD_ENDS, TOLD_EVENTS };
+
+/* The worst that became of a mail so far, over all its receivers. */
+enum mail_fate { FATE_TAKEN, FATE_PASSED_ON, FATE_EXPIRED, FATE_DROPPED, FATES };
+enum mail_fate_event { FATE_PASSES, FATE_EXPIRES, FATE_DROPS, FATE_EVENTS };
+
+/* Whether a mail has a row on disk, and whether the next commit is to write or change that. */
+enum mail_durable {
+    DURABLE_NOT,
+    DURABLE_MARKED,
+    DURABLE_WRITTEN,
+    DURABLE_MARKED_AGAIN,
+    DURABLE_STATES
+};
+enum mail_durable_event {
+    DURABLE_MARKS,
+    DURABLE_COMMITS,
+    DURABLE_RESTORES,
+    DURABLE_UNDOES,
+    DURABLE_EVENTS
+};
+
 struct mail {
     muster_Mail letter;           /* its strings lie behind this record */
     struct mail *next;            /* in a list of mails that wait for the end of a step */
@@ -338,16 +362,12 @@ struct mail {
     struct quota_use booked;        /* on its sender's account */
     struct quota_use booked_veiled; /* for those outside, on its sender's account there */
     uint8_t side;                   /* enum share_side: the account on which it is booked */
-    uint8_t answer;                 /* muster_Outcome: */
-    bool answered;                  /* the last receipt for it is out */
-    bool journal_listed;            /* in the journal's list */
-    bool journal_written;           /* its row is on disk */
-    bool tell_stored;               /* when it is: the sender is told */
-    bool stored_ends_it;            /* who sent it is told no more than that */
-    bool stored_told;               /* the sender has been told that it waits */
-    bool passed_on;                 /* another broker has taken it over for one receiver at least */
-    bool expired;                   /* for one receiver at least */
-    bool dropped;                   /* likewise */
+    uint8_t answer;                 /* muster_Outcome: the last word, if its sender was told that */
+    enum mail_told told;
+    enum mail_fate fate;
+    enum mail_durable durable;
+    bool tell_stored;    /* its sender is told that it is stored, once it is on disk */
+    bool stored_ends_it; /* that is then the last word */
 };
 
 struct pool_slab {
@@ -395,6 +415,22 @@ const char *pool_mail_standing(const struct mail *m);
 
 /** The same of a mail that comes back from the store.  @return false: there is no such word */
 bool pool_mail_go_on(struct mail *m, const char *word);
+
+/* --- mail_states.c --------------------------------------------------------------------------- */
+
+/** @return whether the event is news to the sender of the mail */
+bool mail_told_on(struct mail *m, enum mail_told_event event);
+
+void mail_fate_on(struct mail *m, enum mail_fate_event event);
+
+/** @return the outcome that the fate of a mail stands for, if all its receivers are through */
+muster_Outcome mail_outcome(const struct mail *m);
+
+/** @return whether the state has changed */
+bool mail_durable_on(struct mail *m, enum mail_durable_event event);
+
+/** @return whether the mail has a row on disk */
+bool mail_is_written(const struct mail *m);
 
 /* --- mailbox_share.c ------------------------------------------------------------------------- */
 

@@ -249,7 +249,7 @@ static void queue_hand_out(struct mailbox *m, struct box *box, enum post_list li
 {
     while (box->lists[list].count > 0 && box->lists[POST_FLIGHT].count < window) {
         uint32_t post = box->lists[list].head;
-        bool is_written = m->posts[post].mail->journal_written;
+        bool is_written = mail_is_written(m->posts[post].mail);
         if (is_written && *written == 0) {
             return;
         }

@@ -188,29 +188,26 @@ void pool_release(struct pool *s, struct mail *m)
 
 /* --- across a restart ------------------------------------------------------------------------- */
 
-/* What can be said, or be certain, of a mail that is still in a box. */
+/* What can be said, or be certain, of a mail that is still in a box; FATE_EVENTS: its sender was
+ * told that. */
 static const struct {
     const char *word;
-    bool told;
+    enum mail_fate_event fate;
 } standings[] = {
-    [muster_OUTCOME_STORED] = {"stored", false},
-    [muster_OUTCOME_EXPIRED] = {"expired", false},
-    [muster_OUTCOME_DROPPED] = {"dropped", false},
-    [muster_OUTCOME_BOX_FULL] = {"box-full", true},
-    [muster_OUTCOME_UNKNOWN_NAME] = {"unknown-name", true},
-    [muster_OUTCOME_REFUSED] = {"refused", true},
+    [muster_OUTCOME_STORED] = {"stored", FATE_PASSES},
+    [muster_OUTCOME_EXPIRED] = {"expired", FATE_EXPIRES},
+    [muster_OUTCOME_DROPPED] = {"dropped", FATE_DROPS},
+    [muster_OUTCOME_BOX_FULL] = {"box-full", FATE_EVENTS},
+    [muster_OUTCOME_UNKNOWN_NAME] = {"unknown-name", FATE_EVENTS},
+    [muster_OUTCOME_REFUSED] = {"refused", FATE_EVENTS},
 };
 
 enum { STANDINGS = sizeof standings / sizeof standings[0] };
 
 const char *pool_mail_standing(const struct mail *m)
 {
-    muster_Outcome is = m->dropped     ? muster_OUTCOME_DROPPED
-                        : m->expired   ? muster_OUTCOME_EXPIRED
-                        : m->passed_on ? muster_OUTCOME_STORED
-                                       : muster_OUTCOME_DELIVERED;
-    const char *word = standings[m->answered ? m->answer : is].word;
-    return word ? word : "";
+    unsigned is = m->told == TOLD_LAST ? m->answer : (unsigned)mail_outcome(m);
+    return is < STANDINGS && standings[is].word ? standings[is].word : "";
 }
 
 bool pool_mail_go_on(struct mail *m, const char *word)
@@ -222,10 +219,11 @@ bool pool_mail_go_on(struct mail *m, const char *word)
     if (is == STANDINGS) {
         return false;
     }
-    m->answered = standings[is].told;
     m->answer = (uint8_t)is;
-    m->dropped = is == muster_OUTCOME_DROPPED;
-    m->expired = is == muster_OUTCOME_EXPIRED;
-    m->passed_on = is == muster_OUTCOME_STORED;
+    if (standings[is].fate == FATE_EVENTS) {
+        (void)mail_told_on(m, TOLD_ENDS);
+    } else {
+        mail_fate_on(m, standings[is].fate);
+    }
     return true;
 }

@@ -23,8 +23,7 @@ static void mails_committed(struct broker *b)
     struct mail *next = NULL;
     for (struct mail *m = j->first; m; m = next) {
         next = m->journal_next;
-        m->journal_listed = false;
-        m->journal_written = true;
+        (void)mail_durable_on(m, DURABLE_COMMITS);
         if (m->unsettled > 0) {
             settle_stored(b, m);
         }
@@ -60,10 +59,12 @@ static void mails_failed(struct broker *b)
     j->first = j->last = NULL;
     for (; m; m = next) {
         next = m->journal_next;
-        m->journal_listed = false;
-        if (m->journal_written || mail_is_out(b, m)) {
-            journal_mark(j, m);
-        } else if (m->unsettled > 0) {
+        if (mail_is_written(m) || mail_is_out(b, m)) {
+            journal_list(j, m);
+            continue;
+        }
+        (void)mail_durable_on(m, DURABLE_UNDOES);
+        if (m->unsettled > 0) {
             journal_remove(j, m);
             m->row = 0;
             m->letter.level == muster_LEVEL_RAM ? ram_leave(b, m) : settle_undo(b, m);
@@ -199,7 +200,7 @@ static bool restore_mail(struct broker *b, const struct journal_entry *e)
     }
     m->sender = m->payer = sender;
     m->row = e->row;
-    m->journal_written = true;
+    (void)mail_durable_on(m, DURABLE_RESTORES);
     const char *waiting = waiting_read(b, m, e->waiting);
     if (!deliver_restore(b, m, waiting ? waiting : "", left_ns(b, e))) {
         journal_failed(b, sender, &letter);

@@ -27,7 +27,7 @@ static bool box_is_urgent(struct broker *b, uint32_t agent)
     if (box->out != MU_NONE || first == MU_NONE) {
         return box->out != MU_NONE;
     }
-    bool may_go = !b->mailbox.posts[first].mail->journal_written || journal_room(b, agent) > 0;
+    bool may_go = !mail_is_written(b->mailbox.posts[first].mail) || journal_room(b, agent) > 0;
     return may_go && box->lists[POST_FLIGHT].count < MU_WINDOW_MAX + MAILBOX_RESERVE &&
            names_gate(b, agent) != GATE_SHUT;
 }

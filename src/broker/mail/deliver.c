@@ -33,7 +33,7 @@ static void post_drop(struct broker *b, uint32_t victim, uint32_t agent)
     mailbox_withdraw(&b->mailbox, victim);
     b->counters.dropped++;
     ledger_alert(b, ALERT_DROPPED, agent, m->sender);
-    m->dropped = true;
+    mail_fate_on(m, FATE_DROPS);
     outcome_settle(b, m);
 }
 

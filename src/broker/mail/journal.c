@@ -65,13 +65,8 @@ void journal_remove(struct journal *j, struct mail *m)
 
 /* --- marks ------------------------------------------------------------------------------------ */
 
-void journal_mark(struct journal *j, struct mail *m)
+void journal_list(struct journal *j, struct mail *m)
 {
-    if (m->journal_listed) {
-        return;
-    }
-    pool_keep(m);
-    m->journal_listed = true;
     m->journal_next = NULL;
     if (j->last) {
         j->last->journal_next = m;
@@ -79,6 +74,14 @@ void journal_mark(struct journal *j, struct mail *m)
         j->first = m;
     }
     j->last = m;
+}
+
+static void mail_mark(struct journal *j, struct mail *m)
+{
+    if (mail_durable_on(m, DURABLE_MARKS)) {
+        pool_keep(m);
+        journal_list(j, m);
+    }
 }
 
 static void agent_mark(struct broker *b, uint32_t agent)
@@ -98,7 +101,7 @@ static void row_give(struct broker *b, struct mail *m)
     }
     m->row = ++j->rows;
     journal_enter(j, m);
-    journal_mark(j, m);
+    mail_mark(j, m);
 }
 
 /* @return whether it would be lost with this life, and sent again behind what was not */
@@ -147,7 +150,7 @@ void journal_put(struct broker *b, struct mail *m)
 void journal_acknowledged(struct broker *b, uint32_t agent, const struct mail *m)
 {
     struct box *box = mailbox_box(&b->mailbox, agent);
-    if (!m->journal_written) {
+    if (!mail_is_written(m)) {
         return;
     }
     if (box->unsaved_commits != b->journal.commits) {
@@ -166,7 +169,7 @@ uint32_t journal_room(const struct broker *b, uint32_t agent)
     uint32_t may_come_again = box->unsaved_commits == b->journal.commits ? box->unsaved : 0;
     for (uint32_t post = box->lists[POST_FLIGHT].head; post != MU_NONE;
          post = mailbox_next(&b->mailbox, post)) {
-        may_come_again += b->mailbox.posts[post].mail->journal_written;
+        may_come_again += mail_is_written(b->mailbox.posts[post].mail);
     }
     return may_come_again < MU_WINDOW_MAX ? MU_WINDOW_MAX - may_come_again : 0;
 }
@@ -188,7 +191,7 @@ void journal_settled(struct broker *b, struct mail *m)
     if (m->row == 0) {
         return;
     }
-    journal_mark(&b->journal, m);
+    mail_mark(&b->journal, m);
     if (m->unsettled == 0) {
         journal_remove(&b->journal, m);
     }
@@ -261,7 +264,7 @@ bool journal_wanted(struct broker *b, muster_Level *level)
     }
     *level = muster_LEVEL_LOGGED;
     for (const struct mail *m = j->first; m; m = m->journal_next) {
-        if (!m->journal_written && m->letter.level > *level) {
+        if (!mail_is_written(m) && m->letter.level > *level) {
             *level = m->letter.level;
         }
     }
@@ -315,7 +318,7 @@ static bool next_agent(struct broker *b, struct journal_entry *e)
 static void gone_extend(struct journal *j, struct journal_entry *e)
 {
     struct mail *m = j->at.mail;
-    while (m && m->journal_written && m->unsettled == 0 && m->row == e->last_row + 1) {
+    while (m && mail_is_written(m) && m->unsettled == 0 && m->row == e->last_row + 1) {
         e->last_row = m->row;
         m = m->journal_next;
     }
@@ -325,7 +328,7 @@ static void gone_extend(struct journal *j, struct journal_entry *e)
 static bool next_mail(struct broker *b, struct journal_entry *e)
 {
     struct journal *j = &b->journal;
-    while (j->at.mail && !j->at.mail->journal_written && j->at.mail->unsettled == 0) {
+    while (j->at.mail && !mail_is_written(j->at.mail) && j->at.mail->unsettled == 0) {
         j->at.mail = j->at.mail->journal_next; /* came and went */
     }
     const struct mail *m = j->at.mail;
@@ -339,7 +342,7 @@ static bool next_mail(struct broker *b, struct journal_entry *e)
         gone_extend(j, e);
         return true;
     }
-    e->kind = m->journal_written ? JOURNAL_WAITING : JOURNAL_MAIL;
+    e->kind = mail_is_written(m) ? JOURNAL_WAITING : JOURNAL_MAIL;
     e->letter = m->letter;
     e->waiting = waiting_of(b, m);
     e->expires_wall_ns = expires_wall_ns(b, m);

@@ -356,7 +356,8 @@ bool journal_wanted(struct broker *b, muster_Level *level);
 /** Gives the next change, valid until the next call.  @return false when that was all */
 bool journal_next(struct broker *b, struct journal_entry *entry);
 
-void journal_mark(struct journal *j, struct mail *m);
+/** Puts a mail last into the list of what the next commit writes. */
+void journal_list(struct journal *j, struct mail *m);
 
 void journal_remove(struct journal *j, struct mail *m);
 

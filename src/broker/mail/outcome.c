@@ -35,11 +35,10 @@ void outcome_tick(struct broker *b)
 
 void outcome_end(struct broker *b, struct mail *m, muster_Outcome result)
 {
-    if (!m->answered) {
+    if (mail_told_on(m, TOLD_ENDS)) {
         if (result != muster_OUTCOME_DELIVERED && result != muster_OUTCOME_STORED) {
             journal_failed(b, m->sender, &m->letter);
         }
-        m->answered = true;
         m->answer = (uint8_t)result;
         outcome_tell(b, m->sender, m->letter.seq, m->letter.seq, result);
     }
@@ -53,8 +52,7 @@ void outcome_refuse(struct broker *b, struct mail *m, uint32_t unknown, muster_O
 
 void outcome_stored(struct broker *b, struct mail *m)
 {
-    if (!m->answered && !m->stored_told) {
-        m->stored_told = true;
+    if (mail_told_on(m, TOLD_STORES)) {
         outcome_tell(b, m->sender, m->letter.seq, m->letter.seq, muster_OUTCOME_STORED);
     }
 }
@@ -65,14 +63,10 @@ static void answer_settled(struct broker *b, struct mail *m)
 {
     if (m->stored_ends_it) {
         outcome_end(b, m, muster_OUTCOME_STORED);
-    } else if (m->dropped) {
-        outcome_end(b, m, muster_OUTCOME_DROPPED);
-    } else if (m->expired) {
-        outcome_end(b, m, muster_OUTCOME_EXPIRED);
-    } else if (m->passed_on) {
+    } else if (m->fate == FATE_PASSED_ON) {
         outcome_stored(b, m);
     } else {
-        outcome_end(b, m, muster_OUTCOME_DELIVERED);
+        outcome_end(b, m, mail_outcome(m));
     }
 }
 

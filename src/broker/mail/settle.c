@@ -65,9 +65,13 @@ void settle_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
     names_confirm(b, agent, number);
     while (box->acked < number) {
         struct mail *m = mailbox_pop(&b->mailbox, agent);
-        m->passed_on = m->passed_on || beyond;
         journal_acknowledged(b, agent, m);
-        *(beyond ? &b->federation.count.passed_on : &b->counters.delivered) += 1;
+        if (beyond) {
+            mail_fate_on(m, FATE_PASSES);
+            b->federation.count.passed_on++;
+        } else {
+            b->counters.delivered++;
+        }
         outcome_settle(b, m);
     }
     if (!names_is_paced(b, agent)) {
@@ -88,7 +92,7 @@ void settle_expire(struct broker *b, uint64_t mail_ns)
             if (b->mailbox.posts[post].list != POST_FLIGHT) {
                 mailbox_withdraw(&b->mailbox, post);
                 b->counters.expired++;
-                m->expired = true;
+                mail_fate_on(m, FATE_EXPIRES);
                 outcome_settle(b, m);
             }
         }

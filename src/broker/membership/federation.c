@@ -27,9 +27,9 @@ void federation_lose(struct broker *b, uint32_t place)
     struct process *at = &b->processes.at[place];
     struct peer *p = remote_peer(b, remote_name(at->name));
     at->lost = true;
-    if (p && p->there) {
+    if (p) {
         routes_lose(b, p);
-        remote_set_there(b, p, false);
+        (void)remote_peer_on(&b->federation, p, PEER_LOST);
     }
     processes_tidy(&b->processes, place);
 }
@@ -38,11 +38,18 @@ struct peer *federation_meet(struct broker *b, const char *name, uint64_t incarn
 {
     struct peer *p = remote_peer(b, name);
     p = p ? p : remote_add_peer(b, name);
-    if (!p || incarnation < p->incarnation) {
+    if (!p) {
+        return NULL;
+    }
+    bool begins = p->state == PEER_UNKNOWN || incarnation > p->incarnation;
+    enum peer_event event = begins                          ? PEER_BEGINS
+                            : incarnation == p->incarnation ? PEER_SPEAKS
+                                                            : PEER_SPEAKS_EARLIER;
+    if (!remote_peer_on(&b->federation, p, event)) {
         return NULL;
     }
     p->heard_ns = b->clock.now_ns;
-    if (incarnation > p->incarnation) {
+    if (begins) {
         routes_lose(b, p);
         remote_forget_numbers(b, p);
         p->incarnation = incarnation;
@@ -60,12 +67,12 @@ static uint32_t place_hear(struct broker *b, struct peer *p)
     struct process *at = &b->processes.at[place];
     at->is_broker = true;
     at->incarnation = p->incarnation;
-    if (!p->there || at->lost) { /* what it said while it was not heard */
+    if (p->state != PEER_THERE || at->lost) { /* what it said while it was not heard */
         at->roll_call_due = true;
         processes_wake(&b->processes, place);
     }
     at->lost = false;
-    remote_set_there(b, p, true);
+    (void)remote_peer_on(&b->federation, p, PEER_ANNOUNCES);
     return place;
 }
 
@@ -148,8 +155,8 @@ void federation_hear(struct broker *b, const muster_Registration *r)
     }
     struct peer *p = remote_peer(b, name);
     if (p && r->incarnation < p->incarnation && remote_is_over(b, p)) {
-        remote_forget_numbers(b, p); /* a later life, whose clock has been set back */
-        p->incarnation = 0;
+        /* a later life, whose clock has been set back */
+        (void)remote_peer_on(&b->federation, p, PEER_FORGOTTEN);
     }
     p = federation_meet(b, name, r->incarnation);
     if (!p || place_hear(b, p) == MU_NONE) {

@@ -438,10 +438,25 @@ struct route {
     char reason[MU_FIELD_MAX + 1];
 };
 
+/* Another broker: not heard of, heard of alone (by a Delivery, or before it was lost), or there. */
+enum peer_state { PEER_UNKNOWN, PEER_SILENT, PEER_THERE, PEER_STATES };
+
+/* A word of an earlier life is refused.  The other events are of our own making. */
+enum peer_event {
+    PEER_SPEAKS_EARLIER,
+    PEER_OWN_EVENTS,
+    PEER_SPEAKS = PEER_OWN_EVENTS, /* in the life that is known */
+    PEER_BEGINS,                   /* a later life */
+    PEER_ANNOUNCES,
+    PEER_LOST,
+    PEER_FORGOTTEN,
+    PEER_EVENTS
+};
+
 struct peer {
     char name[MU_NAME_MAX + 1];
     char place[MU_PROCESS_MAX + 1];
-    bool there; /* it is not silent */
+    enum peer_state state;
     uint64_t incarnation;
     uint64_t heard_ns; /* when this life of it was heard last */
     /* One for each agent of the registry: */
@@ -460,6 +475,7 @@ struct pause {
 
 struct federation_counts {
     uint64_t announced, parcels_in, passed_on, repeated, receipts_in, clashes, hops_refused;
+    uint64_t earlier_lives;
 };
 
 struct federation {
@@ -523,7 +539,8 @@ void remote_hold_down(struct broker *b, uint32_t agent);
 /** Who is silent makes room. */
 struct peer *remote_add_peer(struct broker *b, const char *name);
 
-void remote_set_there(struct broker *b, struct peer *p, bool there);
+/** @return false: the event was refused, and counted */
+bool remote_peer_on(struct federation *l, struct peer *p, enum peer_event event);
 
 struct presence remote_presence(const struct route *route);
 

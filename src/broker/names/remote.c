@@ -91,7 +91,7 @@ struct peer *remote_best_peer(struct broker *b, uint32_t agent)
     for (uint32_t i = 0; i < b->federation.peers_count; i++) {
         struct peer *p = &b->federation.peers[i];
         const struct route *route = &p->routes[agent];
-        if (p->there && route->present && route->hops < MU_DISTANCE_MAX &&
+        if (p->state == PEER_THERE && route->present && route->hops < MU_DISTANCE_MAX &&
             (!best || route_is_better(route, &best->routes[agent]))) {
             best = p;
         }
@@ -187,10 +187,32 @@ void remote_lose_route(struct broker *b, struct peer *p, uint32_t agent)
     route->present = false;
 }
 
-void remote_set_there(struct broker *b, struct peer *p, bool there)
+/* --- states -------------------------------------------------------------------------------------
+ */
+
+/* clang-format off */
+/* The letters of the table; X is a refusal. */
+enum { X = 255, U = PEER_UNKNOWN, S = PEER_SILENT, T = PEER_THERE };
+
+static const unsigned char next_peer[PEER_STATES][PEER_EVENTS] = {
+    /*               speaks earlier speaks begins announces lost forgotten */
+    [PEER_UNKNOWN] = {X,            X,     S,     X,        X,   X},
+    [PEER_SILENT]  = {X,            S,     S,     T,        S,   U},
+    [PEER_THERE]   = {X,            T,     T,     T,        S,   X},
+};
+/* clang-format on */
+
+bool remote_peer_on(struct federation *l, struct peer *p, enum peer_event event)
 {
-    b->federation.peers_there += (uint32_t)there - (uint32_t)p->there;
-    p->there = there;
+    unsigned next = next_peer[p->state][event];
+    if (next == X) {
+        MU_ASSERT(event < PEER_OWN_EVENTS);
+        l->count.earlier_lives++;
+        return false;
+    }
+    l->peers_there += (uint32_t)(next == PEER_THERE) - (uint32_t)(p->state == PEER_THERE);
+    p->state = (enum peer_state)next;
+    return true;
 }
 
 struct peer *remote_add_peer(struct broker *b, const char *name)
@@ -198,14 +220,16 @@ struct peer *remote_add_peer(struct broker *b, const char *name)
     struct federation *l = &b->federation;
     struct peer *p = l->peers_count < MU_BROKERS_MAX ? &l->peers[l->peers_count++] : NULL;
     for (uint32_t i = 0; i < l->peers_count && !p; i++) {
-        p = l->peers[i].there ? NULL : &l->peers[i];
+        p = l->peers[i].state == PEER_THERE ? NULL : &l->peers[i];
     }
     if (p) {
+        if (p->state == PEER_SILENT) {
+            (void)remote_peer_on(l, p, PEER_FORGOTTEN);
+        }
         struct mu_text t;
         (void)mu_text_copy(p->name, sizeof p->name, name);
         mu_text_init(&t, p->place, sizeof p->place);
         mu_text_format(&t, "%s%s", PREFIX, name);
-        p->incarnation = 0;
     }
     return p;
 }
@@ -223,5 +247,5 @@ void remote_forget_numbers(struct broker *b, struct peer *p)
 
 bool remote_is_over(const struct broker *b, const struct peer *p)
 {
-    return !p->there && b->clock.now_ns - p->heard_ns >= OVER_NS;
+    return p->state == PEER_SILENT && b->clock.now_ns - p->heard_ns >= OVER_NS;
 }

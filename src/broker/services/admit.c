@@ -16,7 +16,7 @@ static bool was_had(const struct broker *b, uint32_t sender, const muster_Mail *
     if (letter->seq <= a->seen_seq) {
         /* Its answer is still to come, and a sender that hears of a duplicate asks no more: what
          * is on disk already is said to be there, lest this life ends before the answer. */
-        if (m && m->journal_written && !m->answered && !names_in_lockstep(b, sender)) {
+        if (m && mail_is_written(m) && m->told != TOLD_LAST && !names_in_lockstep(b, sender)) {
             *outcome = muster_OUTCOME_STORED;
         }
         return true;
@@ -25,7 +25,7 @@ static bool was_had(const struct broker *b, uint32_t sender, const muster_Mail *
         return false;
     }
     if (m) {
-        *outcome = m->answered ? (muster_Outcome)m->answer : muster_OUTCOME_STORED;
+        *outcome = m->told == TOLD_LAST ? (muster_Outcome)m->answer : muster_OUTCOME_STORED;
     } else if (letter->seq > a->failed_seq) {
         *outcome = muster_OUTCOME_DELIVERED; /* of the others, how they ended is not known */
     }

@@ -147,6 +147,8 @@ static const struct metric counters[] = {
      AT(federation.count.clashes)},
     {PART_FEDERATION, "hops-refused", "mails that had passed too many brokers",
      AT(federation.count.hops_refused)},
+    {PART_FEDERATION, "earlier-lives", "words from an earlier life of one of them, not taken",
+     AT(federation.count.earlier_lives)},
 };
 
 enum { COUNTERS = sizeof counters / sizeof counters[0] };

@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "capture.h"
 #include "runtime/process.h"
 #include "runtime/watch.h"
+#include "state_walk.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>
-#include <signal.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 enum { STATES = MU_GONE + 1 };
 
@@ -30,10 +27,6 @@ static void test_the_whole_state_machine(void)
         }
     }
 }
-
-/* Applies an event, a number, to a machine in a state, another.  @return its state then; -1: the
- * event was refused, and counted */
-typedef int apply(int state, int event);
 
 static mu_process process;
 
@@ -79,53 +72,19 @@ static int apply_watch(int state, int event)
     return (int)phase;
 }
 
-/* @return whether the event ends a program */
-static bool aborts(apply *on, int state, int event)
-{
-    int status = 0;
-    capture_begin();
-    pid_t child = fork();
-    if (child == 0) {
-        (void)on(state, event);
-        _exit(0);
-    }
-    CU_ASSERT_EQUAL(waitpid(child, &status, 0), child);
-    capture_end();
-    return WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT;
-}
-
-/* letters: one for each state, in their order.  A row for each state has that of the next one for
- * each event; '.' is a refusal.  Events of a peer stand before '|', our own behind it. */
-static void walk(apply *on, const char *letters, const char *const rows[])
-{
-    for (int state = 0; letters[state]; state++) {
-        int own = (int)strcspn(rows[state], "|");
-        CU_ASSERT_EQUAL(rows[state][own], '|');
-        for (int event = 0; event < (int)strlen(rows[state]) - 1; event++) {
-            char wanted = rows[state][event < own ? event : event + 1];
-            if (wanted == '.' && event >= own) {
-                CU_ASSERT_TRUE(aborts(on, state, event));
-            } else {
-                int next = wanted == '.' ? -1 : (int)(strchr(letters, wanted) - letters);
-                CU_ASSERT_EQUAL(on(state, event), next);
-            }
-        }
-    }
-}
-
 static void test_the_name_of_an_agent(void)
 {
     static const char *const rows[NAME_STATES] = {"A.|SU.", "..|FUU", "AR|SS.",
                                                   "AR|AN.", "AR|NN.", "AR|RR."};
     CU_ASSERT(NAME_OWN_EVENTS == 2 && NAME_EVENTS == 5);
-    walk(apply_name, "UFSANR", rows);
+    state_walk(apply_name, "UFSANR", rows);
 }
 
 static void test_how_an_agent_leaves(void)
 {
     static const char *const rows[EXIT_STATES] = {"|WM.", "|.ML", "|MMD", "|.D.", "|.D."};
     CU_ASSERT_EQUAL(EXIT_EVENTS, 3);
-    walk(apply_exit, "PWMDL", rows);
+    state_walk(apply_exit, "PWMDL", rows);
 }
 
 static void test_a_process_in_steps(void)
@@ -133,14 +92,14 @@ static void test_a_process_in_steps(void)
     static const char *const rows[PROCESS_STEPS] = {"GSFD|...F", "GSGD|R..F", "RSRD|.G.F",
                                                     "SSGD|..LF", "LLGD|...F", "....|...."};
     CU_ASSERT(STEP_OWN_EVENTS == 4 && STEP_EVENTS == 8);
-    walk(apply_step, "FGRSLD", rows);
+    state_walk(apply_step, "FGRSLD", rows);
 }
 
 static void test_what_a_process_is_about_to_say(void)
 {
     static const char *const rows[UP_STATES] = {"|AP.N", "|.P..", "|..NN"};
     CU_ASSERT_EQUAL(UP_EVENTS, 4);
-    walk(apply_up, "NAP", rows);
+    state_walk(apply_up, "NAP", rows);
 }
 
 static void test_a_run_that_is_watched(void)
@@ -148,7 +107,7 @@ static void test_a_run_that_is_watched(void)
     static const char *const rows[WATCH_PHASES] = {"MSAoA|.", "MSMO|.t", "SSSE|.t", "OSooo|.",
                                                    "OSOO|.t", "ESEE|.t", "TSAtt|.", "TSMTt|."};
     CU_ASSERT_EQUAL(WATCH_EVENTS, 6);
-    walk(apply_watch, "AMSoOEtT", rows);
+    state_walk(apply_watch, "AMSoOEtT", rows);
 }
 
 static void test_no_state_is_left_out_of_life(void)

@@ -121,6 +121,20 @@ static void check_boxes(struct broker *b)
     }
 }
 
+/* The states of mails, of those that wait and of those that the next commit writes. */
+static void check_mails(const struct broker *b)
+{
+    for (const struct mail *m = b->arrivals.oldest; m; m = m->newer) {
+        HOLD(m->unsettled > 0);
+        HOLD((m->row == 0) == (m->durable == DURABLE_NOT));
+        HOLD(!m->stored_ends_it || m->row > 0);
+    }
+    for (const struct mail *m = b->journal.first; m; m = m->journal_next) {
+        HOLD(m->durable == DURABLE_MARKED || m->durable == DURABLE_MARKED_AGAIN);
+        HOLD(m->unsettled > 0 || m->told == TOLD_LAST || m->fate == FATE_PASSED_ON);
+    }
+}
+
 void life_check(void)
 {
     muster_BrokerStatus s = life_status();
@@ -129,6 +143,7 @@ void life_check(void)
     HOLD(s.waiting == history.life.b->mailbox.posts_live);
     HOLD(s.stored <= s.waiting + (history.life.b->journal.first ? MAILS : 0));
     check_boxes(history.life.b);
+    check_mails(history.life.b);
 }
 
 static uint32_t receipts_kept(const struct receipts *r)
