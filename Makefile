@@ -107,12 +107,12 @@ LIBS_monitor := $(LIBS_agent)
 LIBS_story   := -lddsc -lz -lm
 LIBS_record  := -lddsc -lz -lm
 LIBS_replay  := -lddsc -lz -lm
-LIBS_experiment := -lcyaml -lyaml -lccd -lpng -lm
-LIBS_report  := -ljansson -lcyaml -lyaml -lccd -lpng -lm
+LIBS_experiment := -lyaml -lccd -lpng -lm
+LIBS_report  := -ljansson -lyaml -lccd -lpng -lm
 LIBS_operator := -lddsc -lm
-LIBS_run     := -lz -ljansson -lcyaml -lyaml -lddsc -lccd -lpng -lm
-LIBS_worldtool := -ljansson -lcyaml -lyaml -lddsc -lccd -lpng -lm
-LIBS_cli     := -lz -ledit -ljansson -lcyaml -lyaml -lddsc -lccd -lpng -lm
+LIBS_run     := -lz -ljansson -lyaml -lddsc -lccd -lpng -lm
+LIBS_worldtool := -ljansson -lyaml -lddsc -lccd -lpng -lm
+LIBS_cli     := -lz -ledit -ljansson -lyaml -lddsc -lccd -lpng -lm
 LIBS_web     := -lmicrohttpd -lddsc -lz -lm
 # The files of the page are part of the program: src/web/assets.c names them.
 ASSETS := $(patsubst %,$(O)/%.o,$(wildcard src/web/assets/*))

@@ -59,7 +59,7 @@ ONLY_IN = {
     r"ccd/": r"src/world/model/place",
     r"png\.h": r"src/world/parse/bitmap",
     r"histedit|editline": r"src/cli/terminal/console_edit",
-    r"cyaml/|yaml\.h": r"src/experiment/",
+    r"yaml\.h": r"src/experiment/yaml/",
     r"jansson\.h": r"src/report/summary",
     r"openssl/": r"src/sim/record/run_hash",
     r"zlib\.h": r"src/mcap/",

@@ -147,14 +147,12 @@ struct experiment_chaos {
     char *who, *whom;               /* a body or a part of the run; of what is between two, both */
     struct experiment_place *force; /* N; in the world's frame */
     double torque_nm;
-    struct experiment_pose *pose; /* where it is put */
-    char *sensor;                 /* a word of muster/sensors.h, or all */
-    double share;                 /* of the packets that are lost */
-    double by_ms;                 /* that each is late */
-    double for_s;                 /* after that it is undone; 0: it is not.  Simulated time */
-    double wall_s;                /* or: after so much of the clock on the wall */
-    /* As the file has them, one of them. */
-    char *push, *place, *block, *kill, *restart, *stop, *go_on;
+    struct experiment_pose *pose;    /* where it is put */
+    char *sensor;                    /* a word of muster/sensors.h, or all */
+    double share;                    /* of the packets that are lost */
+    double by_ms;                    /* that each is late */
+    double for_s;                    /* after that it is undone; 0: it is not.  Simulated time */
+    double wall_s;                   /* or: after so much of the clock on the wall */
     struct experiment_mark mark;     /* of it in the file, */
     struct experiment_mark for_mark; /* and of its `for`, or of all of it */
     char text[160];                  /* what it does, for people */

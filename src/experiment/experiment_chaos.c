@@ -3,7 +3,6 @@
 #include "core/sensors.h"
 #include "core/text.h"
 #include "experiment/experiment_source.h"
-#include "muster/memory.h"
 
 #include <string.h>
 
@@ -38,31 +37,13 @@ static const char chaos_words[] =
 
 /* --- filling ---------------------------------------------------------------------------------- */
 
-static mu_result pair_fill(struct experiment_source *s, struct experiment_chaos *c, int pair)
-{
-    if (yaml_tree_count(s->tree, pair) != 2 || yaml_tree_kind(s->tree, pair) != YAML_TREE_LIST) {
-        return yaml_tree_fault(s->tree, pair, s->fault,
-                               "expected two parts of the run, such as [red, broker]");
-    }
-    c->who = mu_startup_string(yaml_tree_scalar(s->tree, yaml_tree_item(s->tree, pair, 0)));
-    c->whom = mu_startup_string(yaml_tree_scalar(s->tree, yaml_tree_item(s->tree, pair, 1)));
-    return MU_OK;
-}
-
-static struct experiment_mark mark_of(const struct experiment_source *s, int node)
-{
-    struct mu_fault here;
-    (void)yaml_tree_fault(s->tree, node, &here, "%s", "");
-    return (struct experiment_mark){here.line, here.column};
-}
-
 mu_result experiment_fill_chaos(struct experiment_source *s, size_t index)
 {
     struct experiment_chaos *c = &s->experiment->chaos[index];
     int node = experiment_item(s, "chaos", index);
     int lasts = yaml_tree_child(s->tree, node, "for");
-    c->mark = mark_of(s, node);
-    c->for_mark = lasts ? mark_of(s, lasts) : c->mark;
+    c->mark = experiment_mark(s, node);
+    c->for_mark = lasts ? experiment_mark(s, lasts) : c->mark;
     for (size_t i = 0; i < KINDS; i++) {
         int child = yaml_tree_child(s->tree, node, chaos_kinds[i].key);
         if (!child) {
@@ -73,11 +54,6 @@ mu_result experiment_fill_chaos(struct experiment_source *s, size_t index)
                                    chaos_words);
         }
         c->kind = chaos_kinds[i].kind;
-        if (chaos_kinds[i].object == CHAOS_PAIR) {
-            MU_TRY(pair_fill(s, c, child));
-        } else {
-            c->who = mu_startup_string(yaml_tree_scalar(s->tree, child));
-        }
     }
     return c->kind != CHAOS_NONE
                ? MU_OK
@@ -271,10 +247,10 @@ mu_result experiment_check_chaos(struct experiment_source *s, size_t index)
     while (chaos_kinds[kind].kind != c->kind) {
         kind++;
     }
-    mu_result checked = keys_check(s, kind, node);
-    checked = checked == MU_OK ? object_check(s, c, kind, node) : checked;
-    checked = checked == MU_OK ? time_check(s, c, node) : checked;
-    checked = checked == MU_OK ? values_check(s, c, node) : checked;
+    MU_TRY(keys_check(s, kind, node));
+    MU_TRY(object_check(s, c, kind, node));
+    MU_TRY(time_check(s, c, node));
+    MU_TRY(values_check(s, c, node));
     text_write(c);
-    return checked;
+    return MU_OK;
 }

@@ -154,12 +154,10 @@ static mu_result check_top(struct experiment_source *s)
                                 interval_ms);
     }
     MU_TRY(check_restart(s));
-    mu_result checked =
-        e->policy ? experiment_check_file(s, &e->policy, experiment_section(s, "policy"), "policy")
-                  : MU_OK;
-    return checked != MU_OK
-               ? checked
-               : experiment_check_file(s, &e->world, experiment_section(s, "world"), "world");
+    if (e->policy) {
+        MU_TRY(experiment_check_file(s, &e->policy, experiment_section(s, "policy"), "policy"));
+    }
+    return experiment_check_file(s, &e->world, experiment_section(s, "world"), "world");
 }
 
 /* A global's value goes into a CLIPS line: one field, so that it cannot be anything else. */
@@ -327,16 +325,15 @@ static mu_result check_robot(struct experiment_source *s, size_t index)
     if (experiment_find_robot(s->experiment, robot->name) != robot) {
         return experiment_fault(s, NULL, name, "a second robot with the name '%s'", robot->name);
     }
-    mu_result result = check_place(s, robot, node);
-    result = result == MU_OK ? check_globals(s, robot, node) : result;
-    result = result == MU_OK ? check_groups(s, robot, node) : result;
-    result = result == MU_OK ? check_services(s, robot, node) : result;
-    result = result == MU_OK ? check_broker(s, robot, node) : result;
-    result = result == MU_OK ? check_death(s, robot, node) : result;
-    result = result == MU_OK ? check_host(s, robot, node) : result;
-    return result == MU_OK ? experiment_check_file(s, &robot->rules,
-                                                   yaml_tree_child(s->tree, node, "rules"), "rules")
-                           : result;
+    MU_TRY(check_place(s, robot, node));
+    MU_TRY(check_globals(s, robot, node));
+    MU_TRY(check_groups(s, robot, node));
+    MU_TRY(check_services(s, robot, node));
+    MU_TRY(check_broker(s, robot, node));
+    MU_TRY(check_death(s, robot, node));
+    MU_TRY(check_host(s, robot, node));
+    return experiment_check_file(s, &robot->rules, yaml_tree_child(s->tree, node, "rules"),
+                                 "rules");
 }
 
 static bool check_target(const struct experiment *e, const char *target)
@@ -430,25 +427,25 @@ static mu_result check_command(struct experiment_source *s, size_t index)
 mu_result experiment_check(struct experiment_source *source)
 {
     const struct experiment *e = source->experiment;
-    mu_result result = check_top(source);
-    result = result == MU_OK ? check_simulator(source) : result;
-    result = result == MU_OK ? check_resolvers(source) : result;
-    for (size_t i = 0; i < e->robots_count && result == MU_OK; i++) {
-        result = check_robot(source, i);
+    MU_TRY(check_top(source));
+    MU_TRY(check_simulator(source));
+    MU_TRY(check_resolvers(source));
+    for (size_t i = 0; i < e->robots_count; i++) {
+        MU_TRY(check_robot(source, i));
     }
-    result = result == MU_OK ? check_hosts(source) : result;
-    result = result == MU_OK ? experiment_multiply(source) : result;
-    for (size_t i = 0; i < e->monitors_count && result == MU_OK; i++) {
-        result = experiment_check_monitor(source, i);
+    MU_TRY(check_hosts(source));
+    MU_TRY(experiment_multiply(source));
+    for (size_t i = 0; i < e->monitors_count; i++) {
+        MU_TRY(experiment_check_monitor(source, i));
     }
-    for (size_t i = 0; i < e->observer_count && result == MU_OK; i++) {
-        result = check_command(source, i);
+    for (size_t i = 0; i < e->observer_count; i++) {
+        MU_TRY(check_command(source, i));
     }
-    for (size_t i = 0; i < e->expect_count && result == MU_OK; i++) {
-        result = experiment_check_expectation(source, i);
+    for (size_t i = 0; i < e->expect_count; i++) {
+        MU_TRY(experiment_check_expectation(source, i));
     }
-    for (size_t i = 0; i < e->chaos_count && result == MU_OK; i++) {
-        result = experiment_check_chaos(source, i);
+    for (size_t i = 0; i < e->chaos_count; i++) {
+        MU_TRY(experiment_check_chaos(source, i));
     }
-    return result;
+    return MU_OK;
 }

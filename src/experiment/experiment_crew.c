@@ -7,12 +7,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static int crew_node(const struct experiment_source *s, size_t index)
-{
-    int robots = yaml_tree_child(s->tree, yaml_tree_root(s->tree), "robots");
-    return yaml_tree_item(s->tree, robots, index);
-}
-
 /* How many robots an entry of the file stands for. */
 static unsigned crew_robots(const struct experiment_robot *robot)
 {
@@ -22,7 +16,7 @@ static unsigned crew_robots(const struct experiment_robot *robot)
 static mu_result crew_check(struct experiment_source *s, size_t index)
 {
     const struct experiment_robot *robot = &s->experiment->robots[index];
-    int node = crew_node(s, index);
+    int node = experiment_item(s, "robots", index);
     int count = yaml_tree_child(s->tree, node, "count");
     int processes = yaml_tree_child(s->tree, node, "processes");
     if (count && (robot->count < 1 || robot->count > MU_ROBOTS_MAX)) {
@@ -57,7 +51,7 @@ static mu_result crew_count(struct experiment_source *s, size_t *robots, size_t 
         *robots += crew_robots(&e->robots[i]);
         *crews += e->robots[i].processes > 0 ? e->robots[i].processes : 1;
         if (*robots > MU_ROBOTS_MAX) {
-            return experiment_fault(s, NULL, crew_node(s, i),
+            return experiment_fault(s, NULL, experiment_item(s, "robots", i),
                                     "expected at most %d robots in all entries together",
                                     MU_ROBOTS_MAX);
         }
@@ -95,7 +89,7 @@ static mu_result crew_names_differ(struct experiment_source *s, const struct exp
     const struct experiment *e = s->experiment;
     for (const struct experiment_robot *other = e->robots; other < one; other++) {
         if (strcmp(other->name, one->name) == 0) {
-            return experiment_fault(s, NULL, crew_node(s, entry),
+            return experiment_fault(s, NULL, experiment_item(s, "robots", entry),
                                     "a second robot with the name '%s'", one->name);
         }
     }

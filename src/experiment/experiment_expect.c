@@ -21,9 +21,7 @@ static mu_result event_note(struct experiment_source *s, const char *text, int n
         return experiment_fault(s, NULL, node, "expected at most %d different events",
                                 EXPERIMENT_EVENTS_MAX);
     }
-    struct mu_fault here;
-    (void)yaml_tree_fault(s->tree, node, &here, "%s", "");
-    e->event_marks[e->events_count] = (struct experiment_mark){here.line, here.column};
+    e->event_marks[e->events_count] = experiment_mark(s, node);
     e->events[e->events_count++] = text;
     return MU_OK;
 }
@@ -65,9 +63,6 @@ static mu_result check_near(struct experiment_source *s, struct experiment_expec
         int within = yaml_tree_child(s->tree, node, "within");
         return experiment_fault(s, NULL, within ? within : node,
                                 "expected within: a distance of more than 0 m");
-    }
-    if (!yaml_tree_child(s->tree, node, "to")) {
-        expect->to_s = EXPERIMENT_DURATION_MAX_S;
     }
     if (expect->from_s < 0 || !(expect->to_s > expect->from_s)) {
         return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "from"),

@@ -2,21 +2,9 @@
 /* Who looks at a run: rules, or a program of the user's. */
 #include "core/name.h"
 #include "experiment/experiment_source.h"
-#include "muster/memory.h"
 
 #include <string.h>
 #include <unistd.h>
-
-void experiment_fill_monitor(struct experiment_source *s, size_t index)
-{
-    struct experiment_monitor *m = &s->experiment->monitors[index];
-    struct mu_fault here;
-    (void)yaml_tree_fault(s->tree, experiment_item(s, "monitors", index), &here, "%s", "");
-    m->mark = (struct experiment_mark){here.line, here.column};
-    if (!m->name) {
-        m->name = mu_startup_string("monitor");
-    }
-}
 
 /* @return whether somebody of the run, or a monitor before this one, has the name */
 static bool name_is_taken(const struct experiment *e, size_t index)

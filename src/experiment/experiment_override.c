@@ -1,49 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* --set key=value: what may be set, and how. */
+#include "core/spell.h"
 #include "core/text.h"
 #include "experiment/experiment_source.h"
 #include "muster/memory.h"
 
-#include <limits.h>
+#include <stdio.h>
 #include <string.h>
-
-enum override_kind {
-    OVERRIDE_TEXT,
-    OVERRIDE_UINT,
-    OVERRIDE_COUNT,
-    OVERRIDE_REAL,
-    OVERRIDE_ON_CRASH
-};
-
-struct override_key {
-    const char *key;
-    enum override_kind kind;
-    size_t offset; /* in struct experiment, or struct experiment_robot */
-};
-
-static const struct override_key override_keys[] = {
-    {"name", OVERRIDE_TEXT, offsetof(struct experiment, name)},
-    {"world", OVERRIDE_TEXT, offsetof(struct experiment, world)},
-    {"seed", OVERRIDE_UINT, offsetof(struct experiment, seed)},
-    {"duration", OVERRIDE_REAL, offsetof(struct experiment, duration)},
-    {"step_ms", OVERRIDE_REAL, offsetof(struct experiment, step_ms)},
-    {"on-crash", OVERRIDE_ON_CRASH, offsetof(struct experiment, on_crash)},
-    {"checkpoint", OVERRIDE_REAL, offsetof(struct experiment, checkpoint_s)},
-    {"restarts", OVERRIDE_COUNT, offsetof(struct experiment, restarts)},
-    {"return-within", OVERRIDE_REAL, offsetof(struct experiment, return_within_s)},
-    {"policy", OVERRIDE_TEXT, offsetof(struct experiment, policy)},
-    {"simulator.threads", OVERRIDE_UINT, offsetof(struct experiment, simulator.threads)},
-};
-
-static const struct override_key override_robot_keys[] = {
-    {"body", OVERRIDE_TEXT, offsetof(struct experiment_robot, body)},
-    {"color", OVERRIDE_TEXT, offsetof(struct experiment_robot, color)},
-    {"rules", OVERRIDE_TEXT, offsetof(struct experiment_robot, rules)},
-    {"on-crash", OVERRIDE_ON_CRASH, offsetof(struct experiment_robot, on_crash)},
-    {"checkpoint", OVERRIDE_REAL, offsetof(struct experiment_robot, checkpoint_s)},
-};
-
-#define COUNT(table) (sizeof(table) / sizeof(table)[0])
 
 /* Remembers whose field it is, so that every later fault names the override. */
 static void override_note(struct experiment_source *s, const void *field, const char *set)
@@ -53,54 +16,22 @@ static void override_note(struct experiment_source *s, const void *field, const 
     s->overrides_count++;
 }
 
-static mu_result override_on_crash(struct experiment_source *s, enum experiment_on_crash *field,
-                                   const char *value)
+/* @return the key that --set may replace, with its field in a struct, or NULL */
+static const struct yaml_key *override_find(const struct yaml_key *keys, const char *name,
+                                            char *base, void **field)
 {
-    bool restart = strcmp(value, "restart") == 0;
-    *field = restart ? EXPERIMENT_RESTART : EXPERIMENT_STOP;
-    return restart || strcmp(value, "stop") == 0
-               ? MU_OK
-               : experiment_fault(s, field, 0, "expected stop or restart");
-}
-
-static mu_result override_put(struct experiment_source *s, enum override_kind kind, void *field,
-                              const char *value)
-{
-    unsigned long long whole;
-    switch (kind) {
-    case OVERRIDE_TEXT:
-        *(char **)field = mu_startup_string(value);
-        return value[0] ? MU_OK : experiment_fault(s, field, 0, "expected a text after '='");
-    case OVERRIDE_UINT:
-        if (!yaml_check_uint(value, &whole)) {
-            return experiment_fault(s, field, 0, "expected a whole number from 0");
+    for (const struct yaml_key *k = keys; k->key; k++) {
+        size_t len = strlen(k->key);
+        *field = base + k->offset;
+        if (k->set && strcmp(k->key, name) == 0) {
+            return k;
         }
-        *(uint64_t *)field = whole;
-        return MU_OK;
-    case OVERRIDE_COUNT:
-        if (!yaml_check_uint(value, &whole) || whole > UINT_MAX) {
-            return experiment_fault(s, field, 0, "expected a whole number from 0");
-        }
-        *(unsigned *)field = (unsigned)whole;
-        return MU_OK;
-    case OVERRIDE_REAL:
-        return yaml_check_real(value, field) ? MU_OK
-                                             : experiment_fault(s, field, 0, "expected a number");
-    case OVERRIDE_ON_CRASH: return override_on_crash(s, field, value);
-    }
-    return MU_OK;
-}
-
-/* @return the field that a key names in a table, or NULL */
-static void *override_find(const struct override_key *table, size_t count, void *base,
-                           const char *key, enum override_kind *kind)
-{
-    for (size_t i = 0; i < count; i++) {
-        if (strcmp(table[i].key, key) == 0) {
-            *kind = table[i].kind;
-            return (char *)base + table[i].offset;
+        if (k->kind == YAML_KEY_KEYS && !k->max && strncmp(name, k->key, len) == 0 &&
+            name[len] == '.') {
+            return override_find(k->keys, name + len + 1, *field, field);
         }
     }
+    *field = NULL;
     return NULL;
 }
 
@@ -117,10 +48,18 @@ static void *override_find_global(struct experiment_robot *robot, const char *na
     return &global->value;
 }
 
+static const struct yaml_key override_global = {.kind = YAML_KEY_TEXT};
+
 /* Names of robots may have dots, so each is tried. */
-static void *override_find_robots(struct experiment *e, const char *key, enum override_kind *kind)
+static const struct yaml_key *override_find_robots(struct experiment *e, const char *key,
+                                                   void **field)
 {
-    for (unsigned i = 0; i < e->robots_count; i++) {
+    const struct yaml_key *robots = experiment_schema;
+    while (strcmp(robots->key, "robots") != 0) {
+        robots++;
+    }
+    const struct yaml_key *found = NULL;
+    for (unsigned i = 0; i < e->robots_count && !found; i++) {
         struct experiment_robot *robot = &e->robots[i];
         size_t len = strlen(robot->name);
         if (strncmp(key, robot->name, len) != 0 || key[len] != '.') {
@@ -128,54 +67,68 @@ static void *override_find_robots(struct experiment *e, const char *key, enum ov
         }
         const char *rest = key + len + 1;
         if (strncmp(rest, "globals.", 8) == 0) {
-            *kind = OVERRIDE_TEXT;
-            return override_find_global(robot, rest + 8);
+            *field = override_find_global(robot, rest + 8);
+            return &override_global;
         }
-        void *field =
-            override_find(override_robot_keys, COUNT(override_robot_keys), robot, rest, kind);
-        if (field) {
-            return field;
-        }
+        found = override_find(robots->keys, rest, (char *)robot, field);
     }
-    return NULL;
+    return found;
 }
 
-static mu_result override_unknown(struct experiment_source *s, const char *set)
+/* Lists what may be set, and looks among it for what was meant. */
+static void override_list(const struct yaml_key *keys, const char *before, struct mu_text *list,
+                          struct mu_spell *meant)
+{
+    for (const struct yaml_key *k = keys; k->key; k++) {
+        char inside[64];
+        snprintf(inside, sizeof inside, "%s%s.", k->key, k->max ? ".NAME" : "");
+        if (k->kind == YAML_KEY_KEYS) {
+            override_list(k->keys, inside, list, meant);
+        } else if (k->set) {
+            mu_text_format(list, "%s%s, ", before, k->key);
+            mu_spell_offer(meant, k->key);
+        }
+    }
+}
+
+static mu_result override_unknown(struct experiment_source *s, const char *set, const char *key)
 {
     char buffer[256];
-    struct mu_text keys;
-    mu_text_init(&keys, buffer, sizeof buffer);
-    for (size_t i = 0; i < COUNT(override_keys); i++) {
-        mu_text_format(&keys, "%s, ", override_keys[i].key);
-    }
-    for (size_t i = 0; i < COUNT(override_robot_keys); i++) {
-        mu_text_format(&keys, "robots.NAME.%s, ", override_robot_keys[i].key);
-    }
+    struct mu_text keys = mu_text_in(buffer, sizeof buffer);
+    struct mu_spell meant;
+    const char *dot = strrchr(key, '.');
+    mu_spell_init(&meant, dot ? dot + 1 : key);
+    override_list(experiment_schema, "", &keys, &meant);
     return experiment_fault(s, set, 0,
-                            "expected KEY=VALUE with one of the keys %s"
-                            "robots.NAME.globals.NAME",
-                            buffer);
+                            "expected KEY=VALUE with one of the keys %srobots.NAME.globals.NAME"
+                            "%s%s%s",
+                            buffer, meant.nearest ? "; did you mean '" : "",
+                            meant.nearest ? meant.nearest : "", meant.nearest ? "'?" : "");
 }
 
 mu_result experiment_override(struct experiment_source *source, const char *set)
 {
     const char *equals = strchr(set, '=');
-    char key[256] = "";
-    struct mu_text text;
-    mu_text_init(&text, key, sizeof key);
+    char buffer[256];
+    struct mu_text key = mu_text_in(buffer, sizeof buffer);
     if (equals) {
-        mu_text_add_bytes(&text, set, (size_t)(equals - set));
+        mu_text_add_bytes(&key, set, (size_t)(equals - set));
     }
-    enum override_kind kind = OVERRIDE_TEXT;
     struct experiment *e = source->experiment;
     if (source->overrides_count == EXPERIMENT_OVERRIDES_MAX) {
         mu_fault_at(source->fault, "--set", 0, 0, "expected at most %d overrides",
                     EXPERIMENT_OVERRIDES_MAX);
         return MU_FAULT_USAGE;
     }
-    void *field = strncmp(key, "robots.", 7) == 0
-                      ? override_find_robots(e, key + 7, &kind)
-                      : override_find(override_keys, COUNT(override_keys), e, key, &kind);
-    override_note(source, field ? field : set, set);
-    return field ? override_put(source, kind, field, equals + 1) : override_unknown(source, set);
+    void *field = NULL;
+    const struct yaml_key *found =
+        strncmp(buffer, "robots.", 7) == 0
+            ? override_find_robots(e, buffer + 7, &field)
+            : override_find(experiment_schema, buffer, (char *)e, &field);
+    override_note(source, found ? field : set, set);
+    if (!found) {
+        return override_unknown(source, set, buffer);
+    }
+    const char *expected = yaml_keys_put(found, field, equals + 1);
+    return expected ? experiment_fault(source, field, 0, "expected %s", expected) : MU_OK;
 }

@@ -1,192 +1,152 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* The keys of an experiment file: what each is, where it goes, and whether --set may replace it. */
 #include "experiment/experiment_source.h"
-
 #include "muster/limits.h"
 
-/* CYAML_FIELD_*: key, flags, structure, member, ...; IGNORE: experiment_fill() reads it. */
-enum { NEEDED = CYAML_FLAG_POINTER, MAY = CYAML_FLAG_POINTER | CYAML_FLAG_OPTIONAL };
+#include <math.h>
 
-static const cyaml_schema_value_t schema_name = {
-    CYAML_VALUE_STRING(CYAML_FLAG_POINTER, char, 1, EXPERIMENT_TEXT_MAX)};
-static const cyaml_schema_value_t schema_real = {CYAML_VALUE_FLOAT(CYAML_FLAG_STRICT, double)};
+#define AT(kind_, structure, member) \
+    .kind = YAML_KEY_##kind_, .offset = offsetof(struct structure, member)
+#define LIST(kind_, structure, member, most)                                           \
+    AT(kind_, structure, member), .count = offsetof(struct structure, member##_count), \
+                                  .size = sizeof *((struct structure *)0)->member, .max = most
+#define NUMBERS(structure, member, many) \
+    AT(REAL, structure, member), .size = sizeof(double), .min = many, .max = many
+#define PAIR(structure, first, of)                                                        \
+    AT(TEXT, structure, first), .size = sizeof(char *), .min = 2, .max = 2, .pair = true, \
+                                .what = "two " of
 
-#define TEXT(key, flags, structure, member) \
-    CYAML_FIELD_STRING_PTR(key, flags, structure, member, 1, EXPERIMENT_TEXT_MAX)
-
-static const cyaml_strval_t schema_on_crash[] = {{"stop", EXPERIMENT_STOP},
-                                                 {"restart", EXPERIMENT_RESTART}};
-
-#define ON_CRASH(structure)                                                                    \
-    CYAML_FIELD_ENUM("on-crash", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, structure, on_crash, \
-                     schema_on_crash, CYAML_ARRAY_LEN(schema_on_crash)),                       \
-        CYAML_FIELD_FLOAT("checkpoint", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, structure,    \
-                          checkpoint_s)
-
-static const cyaml_schema_field_t schema_robot_fields[] = {
-    TEXT("name", NEEDED, struct experiment_robot, name),
-    TEXT("body", MAY, struct experiment_robot, body),
-    TEXT("color", MAY, struct experiment_robot, color),
-    {.key = "pose",
-     .data_offset = offsetof(struct experiment_robot, pose),
-     .value = {.type = CYAML_SEQUENCE_FIXED,
-               .flags = (enum cyaml_flag)MAY,
-               .data_size = sizeof(double),
-               .sequence = {.entry = &schema_real, .min = 3, .max = 3}}},
-    TEXT("place", MAY, struct experiment_robot, place),
-    CYAML_FIELD_UINT("count", CYAML_FLAG_OPTIONAL, struct experiment_robot, count),
-    CYAML_FIELD_UINT("processes", CYAML_FLAG_OPTIONAL, struct experiment_robot, processes),
-    TEXT("rules", NEEDED, struct experiment_robot, rules),
-    TEXT("host", MAY, struct experiment_robot, host),
-    TEXT("broker", MAY, struct experiment_robot, broker),
-    ON_CRASH(struct experiment_robot),
-    CYAML_FIELD_IGNORE("globals", CYAML_FLAG_OPTIONAL),
-    CYAML_FIELD_SEQUENCE("groups", MAY, struct experiment_robot, groups, &schema_name, 0,
-                         EXPERIMENT_GROUPS_MAX),
-    CYAML_FIELD_SEQUENCE("services", MAY, struct experiment_robot, services, &schema_name, 0,
-                         EXPERIMENT_GROUPS_MAX),
-    CYAML_FIELD_END};
 _Static_assert(sizeof(struct experiment_pose) == 3 * sizeof(double), "a pose is three numbers");
 _Static_assert(sizeof(struct experiment_place) == 2 * sizeof(double), "a place is two numbers");
+_Static_assert(offsetof(struct experiment_expectation, near_mate) ==
+                   offsetof(struct experiment_expectation, near_robot) + sizeof(char *),
+               "a pair");
+_Static_assert(offsetof(struct experiment_chaos, whom) ==
+                   offsetof(struct experiment_chaos, who) + sizeof(char *),
+               "a pair");
 
-static const cyaml_schema_value_t schema_robot = {
-    CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct experiment_robot, schema_robot_fields)};
+static const char *const schema_on_crash[] = {
+    [EXPERIMENT_STOP] = "stop", [EXPERIMENT_RESTART] = "restart", NULL};
 
-static const cyaml_schema_field_t schema_monitor_fields[] = {
-    TEXT("name", MAY, struct experiment_monitor, name),
-    TEXT("rules", MAY, struct experiment_monitor, rules),
-    TEXT("program", MAY, struct experiment_monitor, program), CYAML_FIELD_END};
+#define ON_CRASH(structure) \
+    AT(WORD, structure, on_crash), .words = schema_on_crash, .set = true, .what = "stop or restart"
 
-static const cyaml_schema_value_t schema_monitor = {
-    CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct experiment_monitor, schema_monitor_fields)};
+static const struct yaml_key schema_robot[] = {
+    {"name", AT(TEXT, experiment_robot, name), .needed = true},
+    {"body", AT(TEXT, experiment_robot, body), .set = true},
+    {"color", AT(TEXT, experiment_robot, color), .set = true},
+    {"pose", NUMBERS(experiment_robot, pose, 3)},
+    {"place", AT(TEXT, experiment_robot, place)},
+    {"count", AT(COUNT, experiment_robot, count)},
+    {"processes", AT(COUNT, experiment_robot, processes)},
+    {"rules", AT(TEXT, experiment_robot, rules), .needed = true, .set = true},
+    {"host", AT(TEXT, experiment_robot, host)},
+    {"broker", AT(TEXT, experiment_robot, broker)},
+    {"on-crash", ON_CRASH(experiment_robot)},
+    {"checkpoint", AT(REAL, experiment_robot, checkpoint_s), .set = true},
+    {"globals", .kind = YAML_KEY_ANY},
+    {"groups", LIST(TEXT, experiment_robot, groups, EXPERIMENT_GROUPS_MAX)},
+    {"services", LIST(TEXT, experiment_robot, services, EXPERIMENT_GROUPS_MAX)},
+    {.key = NULL},
+};
 
-static const cyaml_schema_field_t schema_command_fields[] = {
-    CYAML_FIELD_FLOAT("at", CYAML_FLAG_STRICT, struct experiment_command, at),
-    CYAML_FIELD_IGNORE("do", CYAML_FLAG_DEFAULT),
-    TEXT("line", MAY, struct experiment_command, line),
-    TEXT("move", MAY, struct experiment_command, move),
-    TEXT("launch", MAY, struct experiment_command, launch),
-    TEXT("rules", MAY, struct experiment_command, rules),
-    CYAML_FIELD_END};
+static const struct yaml_key schema_monitor[] = {
+    {"name", AT(TEXT, experiment_monitor, name)},
+    {"rules", AT(TEXT, experiment_monitor, rules)},
+    {"program", AT(TEXT, experiment_monitor, program)},
+    {.key = NULL},
+};
 
-static const cyaml_schema_value_t schema_command = {
-    CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct experiment_command, schema_command_fields)};
+static const struct yaml_key schema_command[] = {
+    {"at", AT(REAL, experiment_command, at), .needed = true},
+    {"do", LIST(TEXT, experiment_command, targets, MU_ROBOTS_MAX), .min = 1, .single = true,
+     .needed = true, .what = "a robot's name, all, or a list of names"},
+    {"line", AT(TEXT, experiment_command, line)},
+    {"move", AT(TEXT, experiment_command, move)},
+    {"launch", AT(TEXT, experiment_command, launch)},
+    {"rules", AT(TEXT, experiment_command, rules)},
+    {.key = NULL},
+};
 
-#define NUMBER(key, member)                                                                        \
-    CYAML_FIELD_FLOAT(key, CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, struct experiment_expectation, \
-                      member)
+static const struct yaml_key schema_expectation[] = {
+    {"near", PAIR(experiment_expectation, near_robot, "robots, who and whom, such as [blue, red]")},
+    {"within", AT(REAL, experiment_expectation, within_m)},
+    {"from", AT(REAL, experiment_expectation, from_s)},
+    {"to", AT(REAL, experiment_expectation, to_s), .absent = EXPERIMENT_DURATION_MAX_S},
+    {"share", AT(REAL, experiment_expectation, share), .absent = 1},
+    {"inside", AT(TEXT, experiment_expectation, inside)},
+    {"stall-max", AT(REAL, experiment_expectation, stall_max_s)},
+    {"objects", AT(TEXT, experiment_expectation, objects)},
+    {"at", NUMBERS(experiment_expectation, at, 2)},
+    {"count", AT(COUNT, experiment_expectation, count)},
+    {"statistic", AT(TEXT, experiment_expectation, statistic)},
+    {"at_least", AT(REAL, experiment_expectation, at_least), .absent = -INFINITY},
+    {"at_most", AT(REAL, experiment_expectation, at_most), .absent = INFINITY},
+    {"sequence", LIST(TEXT, experiment_expectation, sequence, EXPERIMENT_SEQUENCE_MAX), .min = 1},
+    {"within_s", AT(REAL, experiment_expectation, within_s)},
+    {"never", AT(TEXT, experiment_expectation, never)},
+    {.key = NULL},
+};
 
-static const cyaml_schema_field_t schema_expectation_fields[] = {
-    CYAML_FIELD_IGNORE("near", CYAML_FLAG_OPTIONAL),
-    NUMBER("within", within_m),
-    NUMBER("from", from_s),
-    NUMBER("to", to_s),
-    NUMBER("share", share),
-    TEXT("inside", MAY, struct experiment_expectation, inside),
-    NUMBER("stall-max", stall_max_s),
-    TEXT("objects", MAY, struct experiment_expectation, objects),
-    {.key = "at",
-     .data_offset = offsetof(struct experiment_expectation, at),
-     .value = {.type = CYAML_SEQUENCE_FIXED,
-               .flags = (enum cyaml_flag)MAY,
-               .data_size = sizeof(double),
-               .sequence = {.entry = &schema_real, .min = 2, .max = 2}}},
-    CYAML_FIELD_UINT("count", CYAML_FLAG_OPTIONAL, struct experiment_expectation, count),
-    TEXT("statistic", MAY, struct experiment_expectation, statistic),
-    NUMBER("at_least", at_least),
-    NUMBER("at_most", at_most),
-    CYAML_FIELD_SEQUENCE("sequence", MAY, struct experiment_expectation, sequence, &schema_name, 1,
-                         EXPERIMENT_SEQUENCE_MAX),
-    NUMBER("within_s", within_s),
-    TEXT("never", MAY, struct experiment_expectation, never),
-    CYAML_FIELD_END};
+#define PARTS PAIR(experiment_chaos, who, "parts of the run, such as [red, broker]")
+static const struct yaml_key schema_chaos[] = {
+    {"at", AT(REAL, experiment_chaos, at)},
+    {"when", AT(TEXT, experiment_chaos, when)},
+    {"push", AT(TEXT, experiment_chaos, who)},
+    {"force", NUMBERS(experiment_chaos, force, 2)},
+    {"torque", AT(REAL, experiment_chaos, torque_nm)},
+    {"place", AT(TEXT, experiment_chaos, who)},
+    {"pose", NUMBERS(experiment_chaos, pose, 3)},
+    {"block", AT(TEXT, experiment_chaos, who)},
+    {"sensor", AT(TEXT, experiment_chaos, sensor)},
+    {"kill", AT(TEXT, experiment_chaos, who)},
+    {"restart", AT(TEXT, experiment_chaos, who)},
+    {"stop", AT(TEXT, experiment_chaos, who)},
+    {"continue", AT(TEXT, experiment_chaos, who)},
+    {"cut", PARTS},
+    {"lose", PARTS},
+    {"share", AT(REAL, experiment_chaos, share)},
+    {"delay", PARTS},
+    {"by_ms", AT(REAL, experiment_chaos, by_ms)},
+    {"for", AT(REAL, experiment_chaos, for_s)},
+    {"wall_s", AT(REAL, experiment_chaos, wall_s)},
+    {.key = NULL},
+};
 
-#undef NUMBER
+static const struct yaml_key schema_broker[] = {
+    {"delivery-interval", AT(REAL, experiment_broker, delivery_interval_ms)},
+    {"store", AT(BOOL, experiment_broker, store)},
+    {.key = NULL},
+};
 
-static const cyaml_schema_value_t schema_expectation = {CYAML_VALUE_MAPPING(
-    CYAML_FLAG_DEFAULT, struct experiment_expectation, schema_expectation_fields)};
+static const struct yaml_key schema_simulator[] = {
+    {"threads", AT(WHOLE, experiment_simulator, threads), .set = true},
+    {.key = NULL},
+};
 
-#define NUMBER(key, member) \
-    CYAML_FIELD_FLOAT(key, CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, struct experiment_chaos, member)
-static const cyaml_schema_field_t schema_chaos_fields[] = {
-    NUMBER("at", at),
-    TEXT("when", MAY, struct experiment_chaos, when),
-    TEXT("push", MAY, struct experiment_chaos, push),
-    {.key = "force",
-     .data_offset = offsetof(struct experiment_chaos, force),
-     .value = {.type = CYAML_SEQUENCE_FIXED,
-               .flags = (enum cyaml_flag)MAY,
-               .data_size = sizeof(double),
-               .sequence = {.entry = &schema_real, .min = 2, .max = 2}}},
-    NUMBER("torque", torque_nm),
-    TEXT("place", MAY, struct experiment_chaos, place),
-    {.key = "pose",
-     .data_offset = offsetof(struct experiment_chaos, pose),
-     .value = {.type = CYAML_SEQUENCE_FIXED,
-               .flags = (enum cyaml_flag)MAY,
-               .data_size = sizeof(double),
-               .sequence = {.entry = &schema_real, .min = 3, .max = 3}}},
-    TEXT("block", MAY, struct experiment_chaos, block),
-    TEXT("sensor", MAY, struct experiment_chaos, sensor),
-    TEXT("kill", MAY, struct experiment_chaos, kill),
-    TEXT("restart", MAY, struct experiment_chaos, restart),
-    TEXT("stop", MAY, struct experiment_chaos, stop),
-    TEXT("continue", MAY, struct experiment_chaos, go_on),
-    CYAML_FIELD_IGNORE("cut", CYAML_FLAG_OPTIONAL),
-    CYAML_FIELD_IGNORE("lose", CYAML_FLAG_OPTIONAL),
-    NUMBER("share", share),
-    CYAML_FIELD_IGNORE("delay", CYAML_FLAG_OPTIONAL),
-    NUMBER("by_ms", by_ms),
-    NUMBER("for", for_s),
-    NUMBER("wall_s", wall_s),
-    CYAML_FIELD_END};
-
-static const cyaml_schema_value_t schema_chaos = {
-    CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct experiment_chaos, schema_chaos_fields)};
-
-static const cyaml_schema_field_t schema_broker_fields[] = {
-    CYAML_FIELD_FLOAT("delivery-interval", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL,
-                      struct experiment_broker, delivery_interval_ms),
-    CYAML_FIELD_BOOL("store", CYAML_FLAG_OPTIONAL, struct experiment_broker, store),
-    CYAML_FIELD_END};
-
-static const cyaml_schema_field_t schema_simulator_fields[] = {
-    CYAML_FIELD_UINT("threads", CYAML_FLAG_OPTIONAL, struct experiment_simulator, threads),
-    CYAML_FIELD_END};
-
-static const cyaml_schema_field_t schema_fields[] = {
-    TEXT("name", MAY, struct experiment, name),
-    TEXT("world", NEEDED, struct experiment, world),
-    CYAML_FIELD_UINT("seed", CYAML_FLAG_OPTIONAL, struct experiment, seed),
-    CYAML_FIELD_FLOAT("duration", CYAML_FLAG_STRICT, struct experiment, duration),
-    CYAML_FIELD_FLOAT("step_ms", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, struct experiment,
-                      step_ms),
-    ON_CRASH(struct experiment),
-    CYAML_FIELD_UINT("restarts", CYAML_FLAG_OPTIONAL, struct experiment, restarts),
-    CYAML_FIELD_FLOAT("return-within", CYAML_FLAG_STRICT | CYAML_FLAG_OPTIONAL, struct experiment,
-                      return_within_s),
-    CYAML_FIELD_SEQUENCE("brokers", MAY, struct experiment, brokers, &schema_name, 0,
-                         EXPERIMENT_BROKERS_MAX),
-    CYAML_FIELD_SEQUENCE("hosts", MAY, struct experiment, hosts, &schema_name, 0,
-                         EXPERIMENT_HOSTS_MAX),
-    CYAML_FIELD_SEQUENCE("resolvers", MAY, struct experiment, resolvers, &schema_name, 0,
-                         EXPERIMENT_RESOLVERS_MAX),
-    CYAML_FIELD_MAPPING("broker", CYAML_FLAG_OPTIONAL, struct experiment, broker,
-                        schema_broker_fields),
-    CYAML_FIELD_MAPPING("simulator", CYAML_FLAG_OPTIONAL, struct experiment, simulator,
-                        schema_simulator_fields),
-    TEXT("policy", MAY, struct experiment, policy),
-    CYAML_FIELD_SEQUENCE("robots", NEEDED, struct experiment, robots, &schema_robot, 1,
-                         MU_ROBOTS_MAX),
-    CYAML_FIELD_SEQUENCE("monitors", MAY, struct experiment, monitors, &schema_monitor, 0,
-                         EXPERIMENT_MONITORS_MAX),
-    CYAML_FIELD_SEQUENCE("observer", MAY, struct experiment, observer, &schema_command, 0,
-                         EXPERIMENT_COMMANDS_MAX),
-    CYAML_FIELD_SEQUENCE("expect", MAY, struct experiment, expect, &schema_expectation, 0,
-                         EXPERIMENT_EXPECTATIONS_MAX),
-    CYAML_FIELD_SEQUENCE("chaos", MAY, struct experiment, chaos, &schema_chaos, 0,
-                         EXPERIMENT_CHAOS_MAX),
-    CYAML_FIELD_BOOL("free", CYAML_FLAG_OPTIONAL, struct experiment, free),
-    CYAML_FIELD_END};
-
-const cyaml_schema_value_t experiment_schema = {
-    CYAML_VALUE_MAPPING(CYAML_FLAG_POINTER, struct experiment, schema_fields)};
+const struct yaml_key experiment_schema[] = {
+    {"name", AT(TEXT, experiment, name), .set = true},
+    {"world", AT(TEXT, experiment, world), .needed = true, .set = true},
+    {"seed", AT(WHOLE, experiment, seed), .set = true, .absent = 1},
+    {"duration", AT(REAL, experiment, duration), .needed = true, .set = true},
+    {"step_ms", AT(REAL, experiment, step_ms), .set = true, .absent = (double)MU_STEP_NS / 1e6},
+    {"on-crash", ON_CRASH(experiment)},
+    {"checkpoint", AT(REAL, experiment, checkpoint_s), .set = true, .absent = 1},
+    {"restarts", AT(COUNT, experiment, restarts), .set = true, .absent = 5},
+    {"return-within", AT(REAL, experiment, return_within_s), .set = true, .absent = 20},
+    {"brokers", LIST(TEXT, experiment, brokers, EXPERIMENT_BROKERS_MAX)},
+    {"hosts", LIST(TEXT, experiment, hosts, EXPERIMENT_HOSTS_MAX)},
+    {"resolvers", LIST(TEXT, experiment, resolvers, EXPERIMENT_RESOLVERS_MAX)},
+    {"broker", AT(KEYS, experiment, broker), .keys = schema_broker},
+    {"simulator", AT(KEYS, experiment, simulator), .keys = schema_simulator},
+    {"policy", AT(TEXT, experiment, policy), .set = true},
+    {"robots", LIST(KEYS, experiment, robots, MU_ROBOTS_MAX), .min = 1, .needed = true,
+     .keys = schema_robot},
+    {"monitors", LIST(KEYS, experiment, monitors, EXPERIMENT_MONITORS_MAX), .keys = schema_monitor},
+    {"observer", LIST(KEYS, experiment, observer, EXPERIMENT_COMMANDS_MAX), .keys = schema_command},
+    {"expect", LIST(KEYS, experiment, expect, EXPERIMENT_EXPECTATIONS_MAX),
+     .keys = schema_expectation},
+    {"chaos", LIST(KEYS, experiment, chaos, EXPERIMENT_CHAOS_MAX), .keys = schema_chaos},
+    {"free", AT(BOOL, experiment, free)},
+    {.key = NULL},
+};

@@ -32,6 +32,13 @@ mu_result experiment_fault(struct experiment_source *source, const void *field, 
     return yaml_tree_fault(source->tree, node, source->fault, "%s", text);
 }
 
+struct experiment_mark experiment_mark(const struct experiment_source *s, int node)
+{
+    struct mu_fault here;
+    (void)yaml_tree_fault(s->tree, node, &here, "%s", "");
+    return (struct experiment_mark){here.line, here.column};
+}
+
 int experiment_section(struct experiment_source *s, const char *key)
 {
     return yaml_tree_child(s->tree, yaml_tree_root(s->tree), key);

@@ -9,12 +9,7 @@
 #include "experiment/experiment.h"
 #include "experiment/yaml/yaml_tree.h"
 
-#include <cyaml/cyaml.h>
-
-extern const cyaml_schema_value_t experiment_schema;
-
-/* Of a robot's name, and others. */
-enum { EXPERIMENT_TEXT_MAX = 4096 };
+extern const struct yaml_key experiment_schema[];
 
 /* An experiment while it is loaded. */
 struct experiment_source {
@@ -29,10 +24,7 @@ struct experiment_source {
     size_t overrides_count;
 };
 
-/**
- * Fills what the schema leaves open: robots' globals, the observer's targets, who is near whom,
- * and the values of keys that are not there.
- */
+/** Fills what the table of keys leaves open: robots' globals, names, places in the file. */
 MU_MUST_USE mu_result experiment_fill(struct experiment_source *source);
 
 /** Applies one override.  @return MU_OK or MU_FAULT_USAGE */
@@ -68,13 +60,15 @@ bool experiment_is_recorded(void);
 /** Checks one expectation, in experiment_expect.c, and notes the events that it is about. */
 MU_MUST_USE mu_result experiment_check_expectation(struct experiment_source *s, size_t index);
 
-/** Fills and checks one monitor, in experiment_monitor.c. */
-void experiment_fill_monitor(struct experiment_source *s, size_t index);
+/** Checks one monitor, in experiment_monitor.c. */
 MU_MUST_USE mu_result experiment_check_monitor(struct experiment_source *s, size_t index);
 
 /** Fills and checks one piece of chaos, in experiment_chaos.c. */
 MU_MUST_USE mu_result experiment_fill_chaos(struct experiment_source *s, size_t index);
 MU_MUST_USE mu_result experiment_check_chaos(struct experiment_source *s, size_t index);
+
+/** @return where the file has a node */
+struct experiment_mark experiment_mark(const struct experiment_source *s, int node);
 
 /** Checks a condition.  @return MU_OK, or the fault at node */
 MU_MUST_USE mu_result experiment_check_condition(struct experiment_source *s, const char *text,

@@ -2,17 +2,16 @@
 /* muster world import of a map of ROS's map_server: a picture, and a YAML file that says how large.
  */
 #include "core/json.h"
+#include "core/text_file.h"
 #include "experiment/yaml/yaml_tree.h"
 #include "muster/memory.h"
 #include "world/parse/parser.h"
 #include "worldtool/worldtool.h"
 
-#include <errno.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 enum { MAP_BYTES_MAX = 1 << 16 };
 
@@ -48,35 +47,13 @@ struct map {
     double negate, occupied, free;
 };
 
-/* @return the text of a small file, or NULL with errno */
-static const char *map_text(const char *path, size_t *len)
-{
-    struct stat status;
-    char *text = mu_startup_alloc(MAP_BYTES_MAX);
-    if (stat(path, &status) != 0) {
-        return NULL;
-    }
-    if (!S_ISREG(status.st_mode) || status.st_size >= MAP_BYTES_MAX) {
-        errno = S_ISREG(status.st_mode) ? EFBIG : EINVAL;
-        return NULL;
-    }
-    FILE *in = fopen(path, "rb");
-    if (!in) {
-        return NULL;
-    }
-    *len = fread(text, 1, MAP_BYTES_MAX - 1, in);
-    bool failed = ferror(in) != 0;
-    fclose(in);
-    errno = EIO;
-    return failed ? NULL : text;
-}
-
 /* Reads a number of the map; without it, *value stays, unless it is needed. */
 static mu_result map_number(struct map *m, int node, const char *what, double least, double most,
                             double *value)
 {
+    static const struct yaml_key real = {.kind = YAML_KEY_REAL};
     const char *text = yaml_tree_scalar(m->tree, node);
-    if (!yaml_check_real(text, value) || !(*value >= least && *value <= most)) {
+    if (yaml_keys_put(&real, value, text) || !(*value >= least && *value <= most)) {
         return yaml_tree_fault(m->tree, node ? node : m->root, m->fault,
                                "expected '%s' to be a number from %g to %g, not '%.40s'", what,
                                least, most, text[0] ? text : "nothing");
@@ -218,13 +195,16 @@ static mu_result map_import(struct map *m, const struct world_files_options *opt
 mu_result world_files_import_map(const struct world_files_options *options, FILE *to,
                                  struct mu_fault *fault)
 {
-    size_t len = 0;
-    const char *text = map_text(options->file, &len);
-    if (!text) {
-        return mu_fault_at(fault, options->file, 0, 0, "cannot read the file: %s", strerror(errno));
+    struct mu_text text = mu_text_in(mu_startup_alloc(MAP_BYTES_MAX), MAP_BYTES_MAX);
+    if (mu_text_file_read(options->file, &text, fault) != MU_OK) {
+        return MU_FAULT_FILE;
+    }
+    if (text.cut) {
+        return mu_fault_at(fault, options->file, 0, 0, "expected a map of less than %d bytes",
+                           MAP_BYTES_MAX);
     }
     struct map m = {.fault = fault, .occupied = 0.65, .free = 0.196}; /* map_server's defaults */
-    MU_TRY(yaml_tree_open(&m.tree, options->file, text, len, fault));
+    MU_TRY(yaml_tree_open(&m.tree, options->file, text.at, text.len, fault));
     mu_result done = map_import(&m, options, to);
     yaml_tree_close(m.tree);
     return done;

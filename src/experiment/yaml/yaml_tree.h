@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file yaml_tree.h
- * A YAML document with the place of each node, for what libcyaml cannot load (keys that the user
- * invents, one-or-many values) and for errors with line and column; and its comparison with a
- * libcyaml schema, before libcyaml loads it.
+ * A YAML document with the place of each node, for errors with line and column; and tables of keys,
+ * by which mappings are read into structs.
  *
  * Nodes are numbers from 1; 0 is "there is none", and every call understands it.
  */
@@ -12,9 +11,9 @@
 
 #include "core/fault.h"
 
-#include <cyaml/cyaml.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 struct yaml_tree;
 
@@ -55,21 +54,45 @@ int yaml_tree_child(struct yaml_tree *tree, int node, const char *key);
 mu_result yaml_tree_fault(struct yaml_tree *tree, int node, struct mu_fault *fault,
                           const char *format, ...) __attribute__((format(printf, 4, 5)));
 
+/* The value of a key, or each entry of its list, and what it is read into. */
+enum yaml_key_kind {
+    YAML_KEY_ANY,   /* the caller reads it */
+    YAML_KEY_TEXT,  /* char *: not empty */
+    YAML_KEY_REAL,  /* double: finite */
+    YAML_KEY_WHOLE, /* uint64_t */
+    YAML_KEY_COUNT, /* unsigned */
+    YAML_KEY_BOOL,  /* bool */
+    YAML_KEY_WORD,  /* an enum: the index of one of `words`; `what` lists them */
+    YAML_KEY_KEYS   /* a struct: a mapping with `keys` */
+};
+
+/* One key of a mapping; a table of them ends with a key NULL. */
+struct yaml_key {
+    const char *key;
+    enum yaml_key_kind kind;
+    size_t offset; /* in the struct: of the value, of a list's pointer, or of a pair's first */
+    bool needed;
+    bool set;          /* a command line may replace the value */
+    unsigned min, max; /* entries of the list; 0, 0: it is one value */
+    size_t size;       /* of an entry */
+    size_t count;      /* in the struct: of the unsigned that counts entries; 0: none */
+    bool single;       /* one value may stand for a list of one */
+    bool pair;         /* two entries, in the struct itself */
+    const struct yaml_key *keys;
+    const char *const *words;
+    const char *what; /* is expected, for people; NULL: as the kind says */
+    double absent;    /* a number that the file does not have */
+};
+
 /**
- * Compares a node with a schema.
- *
- * libcyaml stops at the first mismatch, too, but it names neither the known keys nor the allowed
- * words, reads "010" as eight, and takes NaN and -1 where they make no sense.
+ * Reads a mapping into a struct of zeros; lists and texts become start-up memory.
  *
  * @return MU_OK, or MU_FAULT_FILE with the place and what was expected there
  */
-MU_MUST_USE mu_result yaml_check(struct yaml_tree *tree, int node,
-                                 const cyaml_schema_value_t *schema, struct mu_fault *fault);
+MU_MUST_USE mu_result yaml_keys_read(struct yaml_tree *tree, int node, const struct yaml_key *keys,
+                                     void *into, struct mu_fault *fault);
 
-/** @return whether a text is a finite decimal number, all of it */
-bool yaml_check_real(const char *text, double *value);
-
-/** @return whether a text is a whole number from 0 to 2^64-1, decimal, without leading zeros */
-bool yaml_check_uint(const char *text, unsigned long long *value);
+/** Reads one scalar.  @return NULL, or what was expected, for people */
+const char *yaml_keys_put(const struct yaml_key *key, void *field, const char *text);
 
 #endif

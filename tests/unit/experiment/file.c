@@ -1,44 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "core/text.h"
-#include "experiment/experiment.h"
-#include "muster/limits.h"
-#include "suite.h"
-
-#include <CUnit/Basic.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
-#define BASE                          \
-    "world: a.world\n"                \
-    "duration: 120\n"                 \
-    "robots:\n"                       \
-    "  - {name: red, rules: a.clp}\n" \
-    "  - {name: blue, rules: a.clp, body: pioneer, color: '#00f', pose: [1, -2.5, 90]}\n"
-
-static char folder[] = "/tmp/muster-experiment-XXXXXX";
-static char path[64];
-static struct mu_fault fault;
-static struct experiment *e;
-
-static bool file_write(const char *name, const char *text)
-{
-    char file[64];
-    snprintf(file, sizeof file, "%s/%s", folder, name);
-    FILE *out = fopen(file, "w");
-    if (!out) {
-        return false;
-    }
-    bool written = fputs(text, out) >= 0;
-    return fclose(out) == 0 && written;
-}
-
-static mu_result load(const char *text, const char *set)
-{
-    CU_ASSERT_FATAL(file_write("test-1.yaml", text));
-    return experiment_load(&e, path, &set, set ? 1 : 0, &fault);
-}
+#include "experiment_text.h"
 
 static void test_defaults(void)
 {
@@ -91,8 +52,9 @@ static void test_what_is_started_again(void)
     CU_ASSERT_EQUAL(e->robots[1].on_crash, EXPERIMENT_STOP);
     CU_ASSERT_EQUAL_FATAL(load(BASE, "on-crash=restart"), MU_OK);
     CU_ASSERT_EQUAL(e->robots[1].on_crash, EXPERIMENT_RESTART);
-    CU_ASSERT_EQUAL_FATAL(load(BASE, "restarts=9"), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(load(BASE "free: Yes\nbroker: {store: off}\n", "restarts=9"), MU_OK);
     CU_ASSERT_EQUAL(e->restarts, 9);
+    CU_ASSERT(e->free && !e->broker.store);
 }
 
 static void test_everything(void)
@@ -176,6 +138,11 @@ static void test_schema_faults(void)
         {BASE "--- \na: b\n", 7, 1, "second YAML document"},
         {"a: 1\nworld: \xff\n", 2, 8, "expected UTF-8"},
         {BASE "sed: 2\n", 6, 1, "unknown key 'sed'; expected one of: name, world, seed"},
+        {BASE "sed: 2\n", 6, 1, "chaos, free; did you mean 'seed'?"},
+        {BASE "expect: [{nearr: [red, blue]}]\n", 6, 11, "never; did you mean 'near'?"},
+        {BASE "zzzzzz: 2\n", 6, 1, "chaos, free"},
+        {BASE "broker: {store: banana}\n", 6, 17, "expected true or false, not 'banana'"},
+        {BASE "restarts: 4294967296\n", 6, 11, "expected a whole number from 0"},
         {BASE "seed: 2\nseed: 3\n", 7, 1, "'seed' stands here a second time"},
         {BASE "seed: -1\n", 6, 7, "expected a whole number from 0, not '-1'"},
         {BASE "seed: 010\n", 6, 7, "expected a whole number from 0"},
@@ -204,8 +171,6 @@ static void test_schema_faults(void)
     };
     CHECK_BAD(cases);
 }
-
-#define ROBOT(fields) "world: a.world\nduration: 10\nrobots:\n  - {rules: a.clp, " fields "}\n"
 
 static void test_robot_faults(void)
 {
@@ -329,7 +294,7 @@ static void test_other_faults(void)
         {BASE "observer:\n  - {at: 1, do: pink, line: (a)}\n", 7, 17, "no robot 'pink'"},
         {BASE "observer:\n  - {at: 1, do: [red, pink], line: (a)}\n", 7, 23, "no robot 'pink'"},
         {BASE "observer:\n  - {at: 1, do: 'role:', line: (a)}\n", 7, 17, "SCHEME:REST"},
-        {BASE "observer:\n  - {at: 1, do: [], line: (a)}\n", 7, 17, "expected 1 to"},
+        {BASE "observer:\n  - {at: 1, do: [], line: (a)}\n", 7, 17, "expected at least 1"},
         {BASE "observer:\n  - {at: 1, do: [[red]], line: (a)}\n", 7, 18, "expected a robot's"},
         {BASE "observer:\n  - {at: -1, do: red, line: (a)}\n", 7, 10, "expected a time from 0"},
         {BASE "observer:\n  - {at: 121, do: red, line: (a)}\n", 7, 10, "at most the duration"},
@@ -595,69 +560,6 @@ static void test_monitor_faults(void)
     CHECK_BAD(cases);
 }
 
-static void test_overrides(void)
-{
-    CU_ASSERT_EQUAL_FATAL(load(BASE "observer: [{at: 60, do: red, line: (a)}]\n", "duration=30"),
-                          MU_OK);
-    CU_ASSERT_DOUBLE_EQUAL(e->duration, 30, 0);
-    CU_ASSERT_EQUAL_FATAL(load(BASE, "seed=7"), MU_OK);
-    CU_ASSERT_EQUAL(e->seed, 7);
-    CU_ASSERT_EQUAL_FATAL(load(BASE, "simulator.threads=2"), MU_OK);
-    CU_ASSERT_EQUAL(e->simulator.threads, 2);
-    CU_ASSERT_EQUAL_FATAL(load(BASE "simulator: {threads: 8}\n", "simulator.threads=3"), MU_OK);
-    CU_ASSERT_EQUAL(e->simulator.threads, 3);
-    CU_ASSERT_EQUAL_FATAL(load(BASE, "on-crash=stop"), MU_OK);
-    CU_ASSERT_EQUAL(e->on_crash, EXPERIMENT_STOP);
-    CU_ASSERT_EQUAL_FATAL(load(BASE, "robots.red.rules=b.clp"), MU_OK);
-    CU_ASSERT(strstr(e->robots[0].rules, "/b.clp") != NULL);
-    CU_ASSERT(strstr(e->robots[1].rules, "/a.clp") != NULL);
-    CU_ASSERT_EQUAL_FATAL(load(BASE, "robots.blue.globals.mate=red"), MU_OK);
-    CU_ASSERT_EQUAL_FATAL(e->robots[1].globals_count, 1);
-    CU_ASSERT_STRING_EQUAL(e->robots[1].globals[0].value, "red");
-    /* A broken value of the file does not matter once it is replaced. */
-    CU_ASSERT_EQUAL(load(ROBOT("name: a.b") "seed: 3\n", "robots.a.b.color=x=y"), MU_OK);
-    CU_ASSERT_STRING_EQUAL(e->robots[0].color, "x=y");
-}
-
-static void test_override_faults(void)
-{
-    static const struct {
-        const char *set, *words;
-    } cases[] = {
-        {"duration", "expected KEY=VALUE with one of the keys name, world, seed"},
-        {"speed=1", "expected KEY=VALUE"},
-        {"robots.pink.rules=a.clp", "expected KEY=VALUE"},
-        {"robots.red.name=a", "expected KEY=VALUE"},
-        {"duration=soon", "expected a number"},
-        {"duration=-1", "expected a duration of more than 0"},
-        {"seed=1.5", "expected a whole number"},
-        {"on-crash=", "expected stop or restart"},
-        {"checkpoint=-1", "expected a time of 0"},
-        {"robots.red.checkpoint=-1", "expected a time of 0"},
-        {"restarts=x", "expected a whole number from 0"},
-        {"simulator.threads=0", "expected 1 to 64 threads"},
-        {"simulator.threads=-1", "expected a whole number"},
-        {"world=", "expected a text"},
-        {"world=no.world", "no.world': No such file"},
-        {"policy=no.policy", "cannot read the policy '"},
-        {"name=a b", "expected a name"},
-        {"robots.red.rules=no.clp", "no.clp': No such file"},
-        {"robots.red.globals.mate=(exit)", "expected one CLIPS field"},
-        {"robots.red.globals.=x", "expected the name of a global"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        char place[80];
-        snprintf(place, sizeof place, "--set %s", cases[i].set);
-        CU_ASSERT_EQUAL(load(BASE, cases[i].set), MU_FAULT_USAGE);
-        CU_ASSERT_STRING_EQUAL(fault.file, place);
-        CU_ASSERT_EQUAL(fault.line, 0);
-        if (!strstr(fault.text, cases[i].words)) {
-            printf("\n%s: %s\n", place, fault.text);
-            CU_FAIL("other words");
-        }
-    }
-}
-
 static void test_unreadable_files(void)
 {
     CU_ASSERT_EQUAL(experiment_load(&e, "/nonexistent.yaml", NULL, 0, &fault), MU_FAULT_FILE);
@@ -723,6 +625,20 @@ static void test_limits(void)
     }
 }
 
+static void test_limit_of_a_text(void)
+{
+    char text[8192];
+    struct mu_text out;
+    for (int extra = 0; extra < 2; extra++) {
+        mu_text_init(&out, text, sizeof text);
+        mu_text_format(&out, BASE "observer: [{at: 1, do: red, line: (a %0*d)}]\n", 4092 + extra,
+                       7);
+        CU_ASSERT_EQUAL(load(text, NULL), extra ? MU_FAULT_FILE : MU_OK);
+    }
+    CU_ASSERT(strstr(fault.text, "expected a text of at most 4096 bytes") != NULL);
+    CU_ASSERT_EQUAL(fault.column, 35);
+}
+
 static void test_limit_bytes_and_overrides(void)
 {
     static char text[EXPERIMENT_BYTES_MAX + 2];
@@ -744,34 +660,11 @@ static void test_limit_bytes_and_overrides(void)
                     MU_FAULT_USAGE);
 }
 
-static int folder_make(void)
-{
-    if (!mkdtemp(folder)) {
-        return 1;
-    }
-    snprintf(path, sizeof path, "%s/test-1.yaml", folder);
-    bool written = file_write("a.world", "") && file_write("a.clp", "") && file_write("b.clp", "");
-    return written ? 0 : 1;
-}
-
-static int folder_remove(void)
-{
-    static const char *const names[] = {"test-1.yaml", "a.world", "a.clp", "b.clp"};
-    int failed = 0;
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        char file[64];
-        snprintf(file, sizeof file, "%s/%s", folder, names[i]);
-        failed |= unlink(file);
-    }
-    return failed | rmdir(folder);
-}
-
 int main(void)
 {
     CU_TestInfo tests[] = {
         {"defaults", test_defaults},
         {"everything", test_everything},
-        {"what is started again", test_what_is_started_again},
         {"what is started again", test_what_is_started_again},
         {"faults of the schema", test_schema_faults},
         {"faults of robots", test_robot_faults},
@@ -786,10 +679,9 @@ int main(void)
         {"chaos faults", test_chaos_faults},
         {"monitors", test_monitors},
         {"monitor faults", test_monitor_faults},
-        {"overrides", test_overrides},
-        {"faults of overrides", test_override_faults},
         {"unreadable files", test_unreadable_files},
         {"limits: lists", test_limits},
+        {"limit: a text", test_limit_of_a_text},
         {"limits: bytes and overrides", test_limit_bytes_and_overrides},
         CU_TEST_INFO_NULL,
     };
