@@ -555,6 +555,10 @@ void mailbox_init(struct mailbox *m, uint32_t agents);
  *          another broker is told where (names_tell_number) */
 struct box *mailbox_box(struct mailbox *m, uint32_t agent);
 
+/** An agent's name ends, whose box is empty.  Boxes that begin later count from beyond its numbers:
+ * a receiver that comes back drops none of them as had. */
+void mailbox_end(struct mailbox *m, uint32_t agent);
+
 /** @return whether the agent's box was ever used: memory of others stays untouched */
 bool mailbox_is_begun(const struct mailbox *m, uint32_t agent);
 

@@ -29,6 +29,16 @@ bool mailbox_is_begun(const struct mailbox *m, uint32_t agent)
     return m->boxes[agent].begun;
 }
 
+void mailbox_end(struct mailbox *m, uint32_t agent)
+{
+    const struct box *box = &m->boxes[agent];
+    if (box->begun) {
+        MU_ASSERT(box->use.mails == 0 && !box->watched);
+        m->base = box->acked > m->base ? box->acked : m->base;
+        m->boxes[agent] = (struct box){.begun = false};
+    }
+}
+
 /* --- limits ----------------------------------------------------------------------------------- */
 
 static uint32_t limit_of(uint32_t wanted, uint32_t otherwise, uint32_t most)

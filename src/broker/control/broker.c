@@ -65,6 +65,7 @@ struct broker *broker_open(const struct broker_options *options)
     audit_init(&b->audit, options->audit);
     dispatch_set_interval(b, options->delivery_interval_ns);
     remote_init(&b->federation);
+    retire_init(&b->retirement, options->name_expiry_ns);
     journal_init(&b->journal, options->has_store);
     b->mailbox.base = options->number_base;
     broker_enlist(b, options);
@@ -81,6 +82,7 @@ static void broker_enter(struct broker *b, uint64_t now_ns)
 void broker_registration(struct broker *b, const muster_Registration *r, uint64_t now_ns)
 {
     broker_enter(b, now_ns);
+    retire_tick(b);
     if (!validate_registration(r)) {
         b->counters.malformed++;
     } else if (r->is_broker || remote_is_broker(r->process)) {
@@ -323,6 +325,7 @@ void broker_peers(struct broker *b, uint32_t count, uint64_t now_ns)
 void broker_delivery(struct broker *b, const muster_Delivery *d, uint64_t now_ns)
 {
     broker_enter(b, now_ns);
+    retire_tick(b);
     relay_take(b, d);
 }
 
@@ -381,6 +384,7 @@ void broker_tick(struct broker *b, uint64_t now_ns)
     settle_tick(b);
     lifecycle_tick_routes(b);
     announce_tick(b);
+    retire_tick(b);
     if (!b->clock.lockstep) {
         settle_expire(b, clock_mail_ns(&b->clock));
         notify_expire(b, clock_mail_ns(&b->clock));
@@ -427,6 +431,7 @@ uint64_t broker_deadline_ns(const struct broker *b)
                                  settle_deadline_ns(b),
                                  remote_deadline_ns(b),
                                  announce_deadline_ns(b),
+                                 retire_deadline_ns(b),
                                  by_steps ? UINT64_MAX : mail_deadline_ns(b),
                                  by_steps ? UINT64_MAX : due_deadline_ns(b)};
     return earliest_ns(times_ns, sizeof times_ns / sizeof times_ns[0]);
@@ -464,7 +469,7 @@ bool broker_serves(const struct broker *b, const char *process)
 
 bool broker_takes_names(const struct broker *b)
 {
-    return b->registry.count < REGISTRY_MAX;
+    return registry_has_room(&b->registry);
 }
 
 void broker_status(const struct broker *b, muster_BrokerStatus *status)
@@ -528,7 +533,7 @@ void broker_audit_failed(struct broker *b)
 
 bool broker_member(const struct broker *b, uint32_t index, muster_Member *out)
 {
-    if (index >= b->registry.count) {
+    if (index >= b->registry.live) {
         return false;
     }
     registry_line(&b->registry, b->registry.order[index], b->name, out);
@@ -556,13 +561,17 @@ bool broker_page_news(struct broker *b, muster_Page *out)
     uint32_t first = part * REGISTRY_PAGE;
     uint32_t count = b->registry.count - first;
     count = count < REGISTRY_PAGE ? count : REGISTRY_PAGE;
+    uint32_t lines = 0;
     for (uint32_t i = 0; i < count; i++) {
-        line_write(b, first + i, b->page_text[i]);
-        b->page[i] = b->page_text[i];
+        if (b->registry.agents[first + i].name[0] != '\0') {
+            line_write(b, first + i, b->page_text[lines]);
+            b->page[lines] = b->page_text[lines];
+            lines++;
+        }
     }
     *out = (muster_Page){.broker = b->name, .part = part};
     out->lines._buffer = b->page;
-    out->lines._length = out->lines._maximum = count;
+    out->lines._length = out->lines._maximum = lines;
     return true;
 }
 

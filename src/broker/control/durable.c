@@ -117,12 +117,46 @@ static bool is_count(uint64_t number)
     return number <= INT64_MAX;
 }
 
+static bool name_is_good(const char *name)
+{
+    return validate_string(name, MU_NAME_MAX) && mu_name_valid(name) && strcmp(name, "broker") != 0;
+}
+
+/* An agent of an earlier life is known again. */
+static void agent_return(struct broker *b, uint32_t agent)
+{
+    struct agent *a = &b->registry.agents[agent];
+    a->is.kind = a->saved_kind;
+    a->since_wall_ns = b->wall_ns;
+    names_hold(b, agent);
+    if (a->process == MU_NONE) {
+        settle_await(b, agent);
+    }
+    registry_touch(&b->registry, agent);
+}
+
+/* When there are more names than should be, the numbers of the others are kept, for when mail names
+ * them, or they come back. */
+static bool agent_bury(struct broker *b, const struct journal_entry *e)
+{
+    struct graveyard *g = &b->registry.graveyard;
+    struct grave *grave = graveyard_find(g, e->name);
+    grave = grave ? grave : graveyard_add(g, e->name);
+    grave->saved_kind = e->agent_kind;
+    grave->durable_seq = e->durable_seq;
+    grave->failed_seq = e->failed_seq;
+    grave->earlier_seq = grave->reserved_seq = e->reserved_seq;
+    return true;
+}
+
 static bool restore_agent(struct broker *b, const struct journal_entry *e)
 {
-    bool good = validate_string(e->name, MU_NAME_MAX) && mu_name_valid(e->name) &&
-                validate_kind_word(e->agent_kind) && strcmp(e->name, "broker") != 0 &&
+    bool good = name_is_good(e->name) && validate_kind_word(e->agent_kind) &&
                 is_count(e->durable_seq) && is_count(e->failed_seq) && is_count(e->reserved_seq);
     uint32_t agent = good ? registry_find(&b->registry, e->name) : MU_NONE;
+    if (good && agent == MU_NONE && registry_is_crowded(&b->registry)) {
+        return agent_bury(b, e);
+    }
     if (good && agent == MU_NONE) {
         agent = registry_add(&b->registry, e->name);
     }
@@ -130,29 +164,42 @@ static bool restore_agent(struct broker *b, const struct journal_entry *e)
         return false;
     }
     struct agent *a = &b->registry.agents[agent];
-    a->is.kind = a->saved_kind = e->agent_kind;
-    a->since_wall_ns = b->wall_ns;
-    names_hold(b, agent);
-    if (a->process == MU_NONE) {
-        settle_await(b, agent);
-    }
+    a->saved_kind = e->agent_kind;
     a->durable_seq = e->durable_seq;
     a->failed_seq = e->failed_seq;
     a->earlier_seq = a->reserved_seq = e->reserved_seq;
-    registry_touch(&b->registry, agent);
+    agent_return(b, agent);
     return true;
 }
 
 /* @return the agent of a name that stands in a mail, entered if need be; or MU_NONE */
 static uint32_t agent_named(struct broker *b, const char *name)
 {
-    struct journal_entry e = {.name = name};
-    uint32_t agent =
-        validate_string(name, MU_NAME_MAX) ? registry_find(&b->registry, name) : MU_NONE;
-    if (agent == MU_NONE && restore_agent(b, &e)) {
-        agent = registry_find(&b->registry, name);
+    uint32_t agent = name_is_good(name) ? registry_find(&b->registry, name) : MU_NONE;
+    if (agent == MU_NONE && name_is_good(name)) {
+        agent = registry_add(&b->registry, name);
+        if (agent != MU_NONE) {
+            agent_return(b, agent);
+        }
     }
-    return agent == REGISTRY_BROKER ? MU_NONE : agent;
+    return agent;
+}
+
+/* Those whom a mail waits for come out of the graveyard. */
+static void agents_named(struct broker *b, const char *names)
+{
+    char name[MU_NAME_MAX + 1];
+    while (*names) {
+        size_t len = strcspn(names, ",/");
+        if (len <= MU_NAME_MAX) {
+            memcpy(name, names, len);
+            name[len] = '\0';
+            if (graveyard_find(&b->registry.graveyard, name)) {
+                (void)agent_named(b, name);
+            }
+        }
+        names += names[len] == ',' ? len + 1 : strlen(names);
+    }
 }
 
 static uint64_t left_ns(const struct broker *b, const struct journal_entry *e)
@@ -201,6 +248,7 @@ static bool restore_mail(struct broker *b, const struct journal_entry *e)
     m->sender = m->payer = sender;
     m->row = e->row;
     (void)mail_durable_on(m, DURABLE_RESTORES);
+    agents_named(b, e->waiting);
     const char *waiting = waiting_read(b, m, e->waiting);
     if (!deliver_restore(b, m, waiting ? waiting : "", left_ns(b, e))) {
         journal_failed(b, sender, &letter);
@@ -236,6 +284,9 @@ static bool restore_line(struct broker *b, const struct journal_entry *e)
                  validate_string(l->origin, MU_FIELD_MAX) && l->stamp_ns <= JOURNAL_NUMBER_MAX &&
                  line_take(b, e->lines, l);
     s->reset = s->reset || taken;
+    if (taken && e->lines == LINES_GROUPS) {
+        agents_named(b, l->agent);
+    }
     return taken;
 }
 

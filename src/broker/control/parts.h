@@ -68,6 +68,7 @@ struct broker {
     struct audit audit;
     struct journal journal;
     struct federation federation;
+    struct retirement retirement;
     struct broker_counters counters;
     muster_LockstepEnd lockstep_end;
     struct alerts alerts;

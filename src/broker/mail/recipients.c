@@ -132,7 +132,7 @@ void recipients_of_letter(struct broker *b, const muster_Mail *letter, uint32_t 
         to->unknown += !view_has_resolver(b, letter->dst);
         return;
     }
-    for (uint32_t i = 0; i < b->registry.count; i++) {
+    for (uint32_t i = 0; i < b->registry.live; i++) {
         uint32_t agent = b->registry.order[i];
         const struct agent *a = &b->registry.agents[agent];
         if (!registry_is_own(agent) && agent != sender && a->process != MU_NONE &&

@@ -18,7 +18,8 @@ static void part_mark(struct federation *l, uint32_t part)
 
 static uint32_t agents_said(const struct broker *b)
 {
-    return b->registry.count - REGISTRY_OWN;
+    uint32_t count = b->registry.count;
+    return (count < REGISTRY_ORDINARY ? count : REGISTRY_ORDINARY) - REGISTRY_OWN;
 }
 
 void announce_all(struct broker *b)
@@ -38,6 +39,13 @@ void announce_to(struct broker *b, uint32_t listeners)
     b->federation.listeners = listeners;
 }
 
+void announce_agent(struct broker *b, uint32_t agent)
+{
+    if (!registry_is_own(agent) && agent < REGISTRY_ORDINARY) {
+        part_mark(&b->federation, (agent - REGISTRY_OWN) / MU_PART_AGENTS);
+    }
+}
+
 static void changelog_mark(struct broker *b)
 {
     struct federation *l = &b->federation;
@@ -47,9 +55,7 @@ static void changelog_mark(struct broker *b)
     }
     for (uint32_t agent = changelog_after(c, l->version_said); agent != MU_NONE;
          agent = changelog_next(c, agent)) {
-        if (!registry_is_own(agent)) {
-            part_mark(l, (agent - REGISTRY_OWN) / MU_PART_AGENTS);
-        }
+        announce_agent(b, agent);
     }
     l->version_said = c->version;
 }

@@ -103,19 +103,65 @@ static void receipts_forget(struct broker *b, uint32_t agent)
     }
 }
 
-static void entry_take(struct broker *b, struct peer *p, const muster_Entry *e, uint32_t slot)
+/* Somebody else's name has the slot of one that has ended, or nobody's. */
+static void slot_clear(struct broker *b, struct peer *p, uint32_t slot, const char *name)
+{
+    uint32_t agent = p->at_slot[slot] - 1;
+    if (p->at_slot[slot] == 0 || strcmp(b->registry.agents[agent].name, name) == 0) {
+        return;
+    }
+    struct route *route = &p->routes[agent];
+    p->at_slot[slot] = 0;
+    if (route->present && route->slot == slot) {
+        route->present = false;
+        lifecycle_review(b, agent);
+    }
+}
+
+/* A name that has ended here does not come back because another broker still knows it, and when
+ * room is scarce a name that nobody bears takes none: its numbers alone are kept.
+ * @return whether that was done */
+static bool entry_is_buried(struct broker *b, const muster_Entry *e, bool ours)
+{
+    struct graveyard *g = &b->registry.graveyard;
+    struct grave *grave = graveyard_find(g, e->name);
+    if (!grave && !registry_is_crowded(&b->registry)) {
+        return false;
+    }
+    if (!ours && e->last_seq <= INT64_MAX / 2) {
+        grave = grave ? grave : graveyard_add(g, e->name);
+        grave->elsewhere_seq =
+            e->last_seq > grave->elsewhere_seq ? e->last_seq : grave->elsewhere_seq;
+    }
+    return true;
+}
+
+/* @return the agent, entered if it is new and there; MU_NONE: it is not to be, or cannot */
+static uint32_t entry_agent(struct broker *b, const muster_Entry *e, bool ours, bool present)
 {
     uint32_t agent = registry_find(&b->registry, e->name);
+    if (agent != MU_NONE || (!present && entry_is_buried(b, e, ours))) {
+        return agent;
+    }
+    agent = registry_add(&b->registry, e->name);
+    if (agent == MU_NONE) {
+        b->federation.missed = true;
+        return MU_NONE;
+    }
+    b->registry.agents[agent].is.kind = e->kind;
+    registry_touch(&b->registry, agent);
+    return agent;
+}
+
+static void entry_take(struct broker *b, struct peer *p, const muster_Entry *e, uint32_t slot)
+{
     bool ours = entry_is_ours(b, e);
     bool present = e->state != muster_STATE_ABSENT && !ours;
+    uint32_t agent = entry_agent(b, e, ours, present);
     if (agent == MU_NONE) {
-        agent = registry_add(&b->registry, e->name);
-        if (agent == MU_NONE) {
-            return;
-        }
-        b->registry.agents[agent].is.kind = e->kind;
-        registry_touch(&b->registry, agent);
+        return;
     }
+    p->at_slot[slot] = present ? agent + 1 : 0;
     struct route *route = &p->routes[agent];
     struct agent *a = &b->registry.agents[agent];
     if (!ours && e->last_seq > a->elsewhere_seq && e->last_seq <= INT64_MAX / 2) {
@@ -164,11 +210,13 @@ void federation_hear(struct broker *b, const muster_Registration *r)
     }
     for (uint32_t i = 0; i < r->agents._length; i++) {
         const muster_Entry *e = &r->agents._buffer[i];
+        uint32_t slot = r->part * MU_PART_AGENTS + i;
+        slot_clear(b, p, slot, validate_string(e->name, MU_NAME_MAX) ? e->name : "");
         if (e->name[0] == '\0') {
             continue;
         }
         if (entry_is_whole(e)) {
-            entry_take(b, p, e, r->part * MU_PART_AGENTS + i);
+            entry_take(b, p, e, slot);
         } else {
             b->counters.malformed++;
         }

@@ -113,12 +113,34 @@ void announce_to(struct broker *b, uint32_t listeners);
 /** Everything is to be said again. */
 void announce_all(struct broker *b);
 
+/** What is said of an agent is no more: its slot is free. */
+void announce_agent(struct broker *b, uint32_t agent);
+
 /** As broker_announcement and broker_announced. */
 bool announce_next(struct broker *b, muster_Registration *out);
 void announce_done(struct broker *b);
 
 void announce_tick(struct broker *b);
 uint64_t announce_deadline_ns(const struct broker *b);
+
+/* --- retire.c -------------------------------------------------------------------------------- */
+
+/*
+ * Names end when room is needed: those whose agents have been absent for long enough, and that hold
+ * nothing that somebody may ask for: mail in a box or on its way, sent or awaited, a group, a
+ * snapshot, a claim, a probe.  While a lock step is on none ends.
+ *
+ * Many parts of the broker keep indices of agents.  Those that are in use are found anew each time,
+ * by a look at all of them: nobody has to count.
+ */
+
+void retire_init(struct retirement *t, uint64_t expiry_ns);
+
+/** Ends names, when there are many, and it is time.  Nobody may have an index in hand. */
+void retire_tick(struct broker *b);
+
+/** @return when retire_tick is needed next, or UINT64_MAX */
+uint64_t retire_deadline_ns(const struct broker *b);
 
 /* --- relay.c --------------------------------------------------------------------------------- */
 

@@ -167,6 +167,9 @@ static void entry_take(struct broker *b, uint32_t place, const muster_Registrati
     }
     if (!objection && agent == MU_NONE) {
         agent = registry_add(&b->registry, e->name);
+        if (agent == MU_NONE && e->kind == muster_KIND_SPECIAL) {
+            agent = registry_add_command(&b->registry, e->name);
+        }
         objection = agent == MU_NONE ? "the white pages are full" : NULL;
         code = muster_REFUSAL_FULL;
     }

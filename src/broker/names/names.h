@@ -19,17 +19,23 @@ struct broker;
 /* --- registry.c ------------------------------------------------------------------------------ */
 
 /*
- * The white pages: every name that was ever registered, who bears it, and where it lives.
+ * The white pages: every name that the broker knows, who bears it, and where it lives.
  *
- * An agent keeps its index for ever; the other parts of the broker use it to find what is theirs.
+ * The other parts of the broker find what is theirs by an agent's index.  A name keeps its index
+ * until it ends (membership/retire.c): nobody holds the index then, and another name may get it.
  */
 
 /** The broker itself stands first in the white pages, its parts after it (metrics.h). */
 enum {
     REGISTRY_BROKER = 0,
     REGISTRY_OWN = MU_BROKER_LINES,
-    REGISTRY_MAX = MU_AGENTS_MAX + REGISTRY_OWN
+    REGISTRY_ORDINARY = MU_AGENTS_MAX + REGISTRY_OWN,
+    REGISTRY_KEPT = 64, /* places beyond, for commands that come when all others are taken */
+    REGISTRY_MAX = REGISTRY_ORDINARY + REGISTRY_KEPT
 };
+
+/* From so many names on the broker looks for names that can end. */
+enum { REGISTRY_CROWDED = REGISTRY_ORDINARY - MU_AGENTS_MAX / 8 };
 
 /* Lines of the white pages that are published together. */
 enum { REGISTRY_PAGE = 64, REGISTRY_PAGES = (REGISTRY_MAX + REGISTRY_PAGE - 1) / REGISTRY_PAGE };
@@ -106,11 +112,47 @@ struct agent {
     muster_Kind saved_kind;
 };
 
+/*
+ * The numbers of names that have ended, and may come back: by them mail that was sent before is
+ * known to be a duplicate, and new mail is not taken for one.
+ *
+ * It holds the GRAVES_MAX names that have ended last.  A name that is not among them begins as one
+ * that nobody has borne.
+ */
+enum { GRAVES_MAX = 65536 };
+
+struct grave {
+    char name[MU_NAME_MAX + 1]; /* "": none */
+    muster_Kind saved_kind;
+    uint64_t seen_seq, came_seq, durable_seq, failed_seq; /* as those of struct agent */
+    uint64_t earlier_seq, reserved_seq, elsewhere_seq;
+};
+
+struct graveyard {
+    struct grave *ring; /* GRAVES_MAX of them */
+    uint32_t next;
+    struct mu_table names;
+};
+
+/* The end of names: see membership/retire.c. */
+struct retirement {
+    uint64_t expiry_ns;
+    uint64_t next_ns; /* the next look */
+    uint64_t ended;   /* counter */
+    bool *held;       /* for each index, during a look */
+};
+
 struct registry {
-    struct agent *agents; /* REGISTRY_MAX of them */
-    uint32_t count;
-    uint32_t present; /* agents that are there, the broker and its parts not counted */
-    uint32_t *order;  /* indices in order of name */
+    struct agent *agents; /* REGISTRY_MAX of them; a free one has no name */
+    uint32_t count;       /* no agent has a higher index */
+    uint32_t live;        /* names that there are */
+    uint32_t present;     /* agents that are there, the broker and its parts not counted */
+    uint32_t *order;      /* indices in order of name: live of them */
+    uint32_t used;        /* ordinary indices ever given out */
+    uint32_t *free;       /* those of names that have ended */
+    uint32_t free_count;
+    uint64_t kept; /* a bit for each place of REGISTRY_KEPT that is taken */
+    struct graveyard graveyard;
     struct changelog changes;
     bool pages_due[REGISTRY_PAGES]; /* something in them has changed */
     uint32_t news[REGISTRY_PAGES];  /* a ring: these pages */
@@ -131,8 +173,21 @@ bool registry_is_own(uint32_t agent);
 /** @return why nobody may register that name as that kind, or NULL */
 const char *registry_objection(const char *name, muster_Kind kind);
 
-/** Enters a new name, absent until registry_seat.  @return its index, or MU_NONE when full */
+/** Enters a new name, absent until registry_seat; one that has ended goes on with its numbers.
+ * @return its index, or MU_NONE when full */
 uint32_t registry_add(struct registry *r, const char *name);
+
+/** Enters the name of a command where registry_add finds no place.  @return as registry_add */
+uint32_t registry_add_command(struct registry *r, const char *name);
+
+/** Ends a name: it goes to the graveyard, and its index to the next name that comes. */
+void registry_remove(struct registry *r, uint32_t agent);
+
+/** @return whether registry_add has a place for one more */
+bool registry_has_room(const struct registry *r);
+
+/** @return whether names should end that can */
+bool registry_is_crowded(const struct registry *r);
 
 /** A line of the white pages is news to everybody again. */
 void registry_touch(struct registry *r, uint32_t agent);
@@ -163,6 +218,22 @@ void registry_mark_page(struct registry *r, uint32_t page);
 /** Fills a line with pointers into the registry. */
 void registry_line(const struct registry *r, uint32_t agent, const char *broker,
                    muster_Member *out);
+
+/* --- graveyard.c ----------------------------------------------------------------------------- */
+
+void graveyard_init(struct graveyard *g);
+
+/** @return the numbers of a name that has ended, or NULL; valid until the next call */
+struct grave *graveyard_find(const struct graveyard *g, const char *name);
+
+/** Makes room for a name that has none there, if need be for the oldest one's. */
+struct grave *graveyard_add(struct graveyard *g, const char *name);
+
+/** An agent's name ends. */
+void graveyard_bury(struct graveyard *g, const struct agent *a);
+
+/** An agent's name has come back: it takes its numbers out. */
+void graveyard_raise(struct graveyard *g, struct agent *a);
 
 /* --- claims.c -------------------------------------------------------------------------------- */
 
@@ -464,6 +535,8 @@ struct peer {
     uint64_t *taken; /* the last number of its box there that was taken here */
     bool *ack_due;
     uint32_t *acks; /* those with an acknowledgement due */
+    /* By their slots in its announcement, one more than the indices of those who are there: */
+    uint32_t *at_slot;
     uint32_t acks_count;
 };
 
@@ -490,6 +563,7 @@ struct federation {
     /* announce.c */
     uint32_t listeners; /* other brokers that are there */
     uint64_t version_said;
+    bool missed;      /* an agent beyond another broker had no place in the white pages */
     uint64_t beat_ns; /* the next heartbeat */
     bool due[MU_PARTS_MAX];
     uint32_t due_count;

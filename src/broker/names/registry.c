@@ -12,6 +12,8 @@ void registry_init(struct registry *r)
     *r = (struct registry){0};
     r->agents = mu_startup_array(REGISTRY_MAX, sizeof *r->agents);
     r->order = mu_startup_array(REGISTRY_MAX, sizeof *r->order);
+    r->free = mu_startup_array(REGISTRY_ORDINARY, sizeof *r->free);
+    graveyard_init(&r->graveyard);
     changelog_init(&r->changes, REGISTRY_MAX);
     mu_table_init(&r->names, REGISTRY_MAX);
 }
@@ -40,36 +42,120 @@ const char *registry_objection(const char *name, muster_Kind kind)
     return kind == muster_KIND_SPECIAL ? NULL : "reserved for a special agent";
 }
 
-/* The place of a name in the order; names are entered once, so that linear insertion is cheap. */
-static void order_insert(struct registry *r, uint32_t agent)
+/* @return the place of a name in the order; it comes and goes so seldom that moving the others is
+ * cheap */
+static uint32_t order_place(const struct registry *r, const char *name)
 {
-    uint32_t lo = 0, hi = r->count;
+    uint32_t lo = 0, hi = r->live;
     while (lo < hi) {
         uint32_t mid = lo + (hi - lo) / 2;
-        if (strcmp(r->agents[r->order[mid]].name, r->agents[agent].name) < 0) {
+        if (strcmp(r->agents[r->order[mid]].name, name) < 0) {
             lo = mid + 1;
         } else {
             hi = mid;
         }
     }
-    memmove(&r->order[lo + 1], &r->order[lo], (r->count - lo) * sizeof *r->order);
-    r->order[lo] = agent;
+    return lo;
+}
+
+static void order_insert(struct registry *r, uint32_t agent)
+{
+    uint32_t at = order_place(r, r->agents[agent].name);
+    memmove(&r->order[at + 1], &r->order[at], (r->live - at) * sizeof *r->order);
+    r->order[at] = agent;
+    r->live++;
+}
+
+static void order_remove(struct registry *r, uint32_t agent)
+{
+    uint32_t at = order_place(r, r->agents[agent].name);
+    MU_ASSERT(r->order[at] == agent);
+    r->live--;
+    memmove(&r->order[at], &r->order[at + 1], (r->live - at) * sizeof *r->order);
+}
+
+static uint32_t index_take(struct registry *r)
+{
+    if (r->free_count > 0) {
+        return r->free[--r->free_count];
+    }
+    return r->used < REGISTRY_ORDINARY ? r->used++ : MU_NONE;
+}
+
+static uint32_t index_take_kept(struct registry *r)
+{
+    for (uint32_t i = 0; i < REGISTRY_KEPT; i++) {
+        if (!(r->kept & 1ull << i)) {
+            r->kept |= 1ull << i;
+            return REGISTRY_ORDINARY + i;
+        }
+    }
+    return MU_NONE;
+}
+
+static void index_give(struct registry *r, uint32_t index)
+{
+    if (index < REGISTRY_ORDINARY) {
+        r->free[r->free_count++] = index;
+    } else {
+        r->kept &= ~(1ull << (index - REGISTRY_ORDINARY));
+    }
+}
+
+static void agent_clear(struct agent *a)
+{
+    *a = (struct agent){.process = MU_NONE, .claim = MU_NONE, .left = MU_NONE};
+    a->is.state = muster_STATE_ABSENT;
+}
+
+/* @return the index, to which the name has been given; MU_NONE: there was none to give */
+static uint32_t index_name(struct registry *r, uint32_t index, const char *name)
+{
+    if (index == MU_NONE) {
+        return MU_NONE;
+    }
+    struct agent *a = &r->agents[index];
+    agent_clear(a);
+    bool fits = mu_text_copy(a->name, sizeof a->name, name);
+    MU_ASSERT(fits && mu_table_put(&r->names, a->name, index) == MU_OK);
+    order_insert(r, index);
+    graveyard_raise(&r->graveyard, a);
+    r->count = index < r->count ? r->count : index + 1;
+    return index;
 }
 
 uint32_t registry_add(struct registry *r, const char *name)
 {
-    if (r->count == REGISTRY_MAX) {
-        return MU_NONE;
-    }
-    uint32_t index = r->count;
-    struct agent *a = &r->agents[index];
-    *a = (struct agent){.process = MU_NONE, .claim = MU_NONE, .left = MU_NONE};
-    a->is.state = muster_STATE_ABSENT;
-    bool fits = mu_text_copy(a->name, sizeof a->name, name);
-    MU_ASSERT(fits && mu_table_put(&r->names, a->name, index) == MU_OK);
-    order_insert(r, index);
-    r->count++;
-    return index;
+    return index_name(r, index_take(r), name);
+}
+
+uint32_t registry_add_command(struct registry *r, const char *name)
+{
+    return index_name(r, index_take_kept(r), name);
+}
+
+void registry_remove(struct registry *r, uint32_t agent)
+{
+    struct agent *a = &r->agents[agent];
+    MU_ASSERT(a->process == MU_NONE && a->claim == MU_NONE && !a->unsaved);
+    graveyard_bury(&r->graveyard, a);
+    order_remove(r, agent);
+    (void)mu_table_remove(&r->names, a->name);
+    changelog_remove(&r->changes, agent);
+    (void)changelog_gone(&r->changes); /* whoever knew the name knows that its bearer has left */
+    agent_clear(a);
+    index_give(r, agent);
+    registry_mark_page(r, agent / REGISTRY_PAGE);
+}
+
+bool registry_has_room(const struct registry *r)
+{
+    return r->free_count > 0 || r->used < REGISTRY_ORDINARY;
+}
+
+bool registry_is_crowded(const struct registry *r)
+{
+    return r->live >= REGISTRY_CROWDED;
 }
 
 void registry_mark_page(struct registry *r, uint32_t page)

@@ -26,11 +26,13 @@ void remote_init(struct federation *l)
     uint64_t *taken = mu_startup_array(all, sizeof *taken);
     bool *ack_due = mu_startup_array(all, sizeof *ack_due);
     uint32_t *acks = mu_startup_array(all, sizeof *acks);
+    uint32_t *at_slot = mu_startup_array(all, sizeof *at_slot);
     for (size_t i = 0; i < MU_BROKERS_MAX; i++) {
         l->peers[i] = (struct peer){.routes = routes + i * REGISTRY_MAX,
                                     .taken = taken + i * REGISTRY_MAX,
                                     .ack_due = ack_due + i * REGISTRY_MAX,
-                                    .acks = acks + i * REGISTRY_MAX};
+                                    .acks = acks + i * REGISTRY_MAX,
+                                    .at_slot = at_slot + i * REGISTRY_MAX};
     }
     l->pauses = mu_startup_array(REGISTRY_MAX, sizeof *l->pauses);
     l->pausing = mu_startup_array(REGISTRY_MAX, sizeof *l->pausing);

@@ -238,12 +238,15 @@ void telemetry_close(struct telemetry *h, struct broker *b);
 
 /* What the command line of muster-broker says. */
 
+enum { NAME_EXPIRY_MAX_S = 366 * 24 * 3600 };
+
 struct settings {
     struct mu_network network;
     bool verbose, counters;
     double delivery_interval_ms;
     const char *policy, *audit; /* files; NULL: none */
     const char *store;          /* a file; "none"; NULL: the usual one */
+    int64_t name_expiry_s;
     int64_t box_mails, box_bytes;
     const char *box_policy_word;
     muster_BoxPolicy box_policy;

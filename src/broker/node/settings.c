@@ -49,6 +49,15 @@
          .environment = "MUSTER_POLICY",                                                          \
          .help = "who may direct whom (default: observer and operator all)",                      \
          .target = &(s)->policy},                                                                 \
+        {.name = "name-expiry",                                                                   \
+         .kind = MU_OPTION_INTEGER,                                                               \
+         .unit = "SECONDS",                                                                       \
+         .fallback = "600",                                                                       \
+         .environment = "MUSTER_NAME_EXPIRY",                                                     \
+         .help = "a name that is absent for so long, and holds nothing, makes room when needed",  \
+         .target = &(s)->name_expiry_s,                                                           \
+         .min = 1,                                                                                \
+         .max = NAME_EXPIRY_MAX_S},                                                               \
     {                                                                                             \
         .name = "audit", .kind = MU_OPTION_STRING, .unit = "FILE", .environment = "MUSTER_AUDIT", \
         .help = "append every directive to this file, a line of JSON each", .target = &(s)->audit \

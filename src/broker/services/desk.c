@@ -60,7 +60,7 @@ static void request_listing(struct broker *b, const struct mail *question)
 {
     struct request_list list;
     request_list_begin(b, &list, question, "members", "");
-    for (uint32_t i = 0; i < b->registry.count; i++) {
+    for (uint32_t i = 0; i < b->registry.live; i++) {
         uint32_t agent = b->registry.order[i];
         if (is_shown(b, question, agent)) {
             request_list_add(b, &list, b->registry.agents[agent].name);

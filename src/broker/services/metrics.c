@@ -40,8 +40,10 @@ static uint64_t refused(const struct broker *b)
 /* Mails are counted per receiver. */
 static const struct metric counters[] = {
     {PART_NAMES, "agents", "agents that are there now", AT(registry.present)},
-    {PART_NAMES, "names", "names ever registered, the broker and its parts included",
-     AT(registry.count)},
+    {PART_NAMES, "names", "names that it knows now, the broker and its parts included",
+     AT(registry.live)},
+    {PART_NAMES, "names-ended", "names that were absent, held nothing, and made room",
+     AT(retirement.ended)},
     {PART_NAMES, "processes", "processes that it serves now", AT(processes.used_count)},
     {PART_NAMES, "claims", "names that another process waits for now", AT(claims.count)},
     {PART_NAMES, "capsules", "capsules of agents on their way that it keeps now",

@@ -634,13 +634,14 @@ static void test_what_is_malformed_is_counted(void)
     CU_ASSERT_EQUAL(net.b[B]->counters.malformed, before + 6);
 }
 
-/* What a neighbour called gamma says of one agent. */
-static void gamma_says(const char *neighbour, const muster_Entry *entry)
+/* What a neighbour says of one agent, as the only one of that part. */
+static void part_says(const char *neighbour, uint32_t part, const muster_Entry *entry)
 {
     muster_Entry e = *entry;
     char process[MU_PROCESS_MAX + 1];
     snprintf(process, sizeof process, "broker.%s", neighbour);
     muster_Registration r = {.process = process,
+                             .part = part,
                              .broker = words(""),
                              .incarnation = 1,
                              .host = words("there"),
@@ -648,6 +649,11 @@ static void gamma_says(const char *neighbour, const muster_Entry *entry)
     r.agents._buffer = &e;
     r.agents._length = r.agents._maximum = 1;
     broker_registration(net.b[A], &r, net.now_ns);
+}
+
+static void gamma_says(const char *neighbour, const muster_Entry *entry)
+{
+    part_says(neighbour, 0, entry);
 }
 
 static muster_Entry entry_of(const char *name, uint32_t hops)
@@ -665,8 +671,8 @@ static void test_limit_distance(void)
     net_begin();
     muster_Entry near = entry_of("near", MU_DISTANCE_MAX - 1);
     muster_Entry far = entry_of("far", MU_DISTANCE_MAX);
-    gamma_says("gamma", &near);
-    gamma_says("gamma", &far);
+    part_says("gamma", 0, &near);
+    part_says("gamma", 1, &far);
     LIVES(A, "near", "delta running");
     CU_ASSERT_EQUAL(net.b[A]->registry.present, 1);
 }

@@ -1,0 +1,250 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/membership/membership.h"
+
+#include "broker/control/parts.h"
+#include "muster/memory.h"
+
+#include <string.h>
+
+static const uint64_t EXPIRY_NS = 600000000000;
+static const uint64_t PAUSE_NS = 250000000;
+
+void retire_init(struct retirement *t, uint64_t expiry_ns)
+{
+    *t = (struct retirement){.expiry_ns = expiry_ns ? expiry_ns : EXPIRY_NS};
+    t->held = mu_startup_array(REGISTRY_MAX, sizeof *t->held);
+}
+
+/* --- who holds an index ----------------------------------------------------------------------- */
+
+static void hold(struct broker *b, uint32_t agent)
+{
+    if (agent < REGISTRY_MAX) { /* else nobody's */
+        b->retirement.held[agent] = true;
+    }
+}
+
+static void hold_mail(struct broker *b, const struct mail *m)
+{
+    hold(b, m->sender);
+    hold(b, m->payer);
+    hold(b, m->only);
+    hold(b, m->kept_for);
+}
+
+static void hold_list(struct broker *b, const struct mail_list *list)
+{
+    for (const struct mail *m = list->first; m; m = m->next) {
+        hold_mail(b, m);
+    }
+}
+
+static void hold_boxes(struct broker *b)
+{
+    for (uint32_t agent = 0; agent < b->registry.count; agent++) {
+        const struct box *box = &b->mailbox.boxes[agent];
+        for (int list = POST_HELD; box->begun && list <= POST_FLIGHT; list++) {
+            for (uint32_t post = box->lists[list].head; post != MU_NONE;
+                 post = mailbox_next(&b->mailbox, post)) {
+                hold(b, agent);
+                hold_mail(b, b->mailbox.posts[post].mail);
+            }
+        }
+    }
+}
+
+/* Mail that stands in no box, or no more. */
+static void hold_mails(struct broker *b)
+{
+    for (uint32_t i = 0; i < b->replays.count; i++) {
+        hold_mail(b, b->replays.heap[i]);
+    }
+    for (const struct mail *m = b->journal.first; m; m = m->journal_next) {
+        hold_mail(b, m);
+    }
+    for (uint32_t i = 0; i < b->multicast.count; i++) {
+        hold_mail(b, b->multicast.waiting[i]);
+    }
+    for (uint32_t i = 0; i < b->lockstep.told_count; i++) {
+        hold_mail(b, b->lockstep.told[i]);
+    }
+    for (uint32_t i = 0; i < b->lockstep.active_count; i++) {
+        const struct turn *turn = &b->lockstep.turns[b->lockstep.active[i]];
+        hold(b, b->lockstep.active[i]);
+        hold_list(b, &turn->mails);
+        hold_list(b, &turn->outside);
+    }
+}
+
+static void hold_resolving(struct broker *b)
+{
+    const struct resolve *r = &b->resolve;
+    for (uint32_t agent = 0; agent < b->registry.count && r->waiting > 0; agent++) {
+        uint32_t at = r->queues[agent].first;
+        for (uint32_t i = 0; i < r->queues[agent].count; i++) {
+            const struct resolve_wait *w = &r->waits[at];
+            hold(b, agent);
+            hold(b, w->resolver);
+            hold_mail(b, w->mail);
+            if (w->answer) {
+                hold_mail(b, w->answer);
+            }
+            at = w->next;
+        }
+    }
+}
+
+static void hold_snapshots(struct broker *b)
+{
+    const struct snapshots *d = &b->snapshots;
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
+        const struct snapshot *c = &d->snapshots[i];
+        if (c->phase != SNAPSHOT_FREE || c->unsaved) {
+            hold(b, c->agent);
+            hold(b, c->asker);
+            hold(b, c->host);
+        }
+    }
+    for (uint32_t i = 0; i < d->words_count; i++) {
+        hold(b, d->words[i].asker);
+        hold(b, d->words[i].host);
+    }
+}
+
+static void hold_probes(struct broker *b)
+{
+    const struct probes *g = &b->probes;
+    for (uint32_t i = 0; i < MU_GLANCES_MAX; i++) {
+        if (g->at[i].used) {
+            hold(b, g->at[i].asker);
+            hold(b, g->at[i].agent);
+        }
+    }
+    for (uint32_t i = 0; i < g->words_count; i++) {
+        hold(b, g->words[i].asker);
+        hold(b, g->words[i].agent);
+    }
+}
+
+static void hold_groups(struct broker *b)
+{
+    const struct lines *g = &b->pages.groups;
+    for (uint32_t line = g->changes.first; line != MU_NONE;
+         line = changelog_next(&g->changes, line)) {
+        if (g->at[line].holds || g->at[line].holds_inside) {
+            hold(b, registry_find(&b->registry, mu_pairs_second(&g->pairs, line)));
+        }
+    }
+}
+
+static void hold_alerts(struct broker *b)
+{
+    const struct alerts *e = &b->alerts;
+    for (uint32_t i = 0; i < e->count; i++) {
+        const struct alert *alert = &e->all[e->ring[(e->head + i) % e->size]];
+        hold(b, alert->agent);
+        hold(b, alert->sender);
+    }
+    const struct limiter *p = &b->limiter;
+    for (uint32_t i = 0; i < p->count; i++) {
+        hold(b, p->ring[(p->head + i) % p->size]);
+    }
+}
+
+static bool has_account(const struct broker *b, uint32_t agent)
+{
+    for (int side = 0; side < QUOTA_SIDES; side++) {
+        const struct quota_use *use = &b->quotas.senders[side][agent];
+        if (use->mails > 0 || use->bytes > 0 || use->posts > 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool is_held_beyond(const struct broker *b, uint32_t agent)
+{
+    const struct federation *l = &b->federation;
+    bool held = l->pausing[agent];
+    for (uint32_t i = 0; i < l->peers_count && !held; i++) {
+        held = l->peers[i].routes[agent].present || l->peers[i].ack_due[agent];
+    }
+    return held;
+}
+
+static bool is_absent(const struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    uint64_t wall_ns = clock_wall_ns(b);
+    bool is_nobody = a->name[0] != '\0' && a->process == MU_NONE && a->claim == MU_NONE;
+    bool is_idle = !a->unsaved && !a->resident.links[RESIDENT_READY].queued &&
+                   !a->resident.links[RESIDENT_STIRRED].queued;
+    return is_nobody && is_idle && !names_is_held(b, agent) && wall_ns > a->since_wall_ns &&
+           wall_ns - a->since_wall_ns >= b->retirement.expiry_ns;
+}
+
+static void hold_all(struct broker *b)
+{
+    memset(b->retirement.held, 0, b->registry.count * sizeof *b->retirement.held);
+    hold_boxes(b);
+    hold_mails(b);
+    hold_resolving(b);
+    hold_snapshots(b);
+    hold_probes(b);
+    hold_groups(b);
+    hold_alerts(b);
+}
+
+/* --- the end ---------------------------------------------------------------------------------- */
+
+static void agent_end(struct broker *b, uint32_t agent)
+{
+    receipts_drop(&b->receipts, agent, receipts_of(&b->receipts, agent)->count);
+    mailbox_end(&b->mailbox, agent);
+    b->limiter.agents[agent] = (struct paced){.until_ns = 0};
+    for (uint32_t i = 0; i < b->federation.peers_count; i++) {
+        b->federation.peers[i].taken[agent] = 0;
+    }
+    registry_remove(&b->registry, agent);
+    announce_agent(b, agent);
+    b->retirement.ended++;
+}
+
+/* Whoever lives beyond other brokers and had no place may have one now. */
+static void missed_ask(struct broker *b)
+{
+    for (uint32_t i = 0; i < b->federation.peers_count; i++) {
+        const struct peer *p = &b->federation.peers[i];
+        uint32_t place = p->state == PEER_THERE ? processes_find(&b->processes, p->place) : MU_NONE;
+        if (place != MU_NONE) {
+            b->processes.at[place].roll_call_due = true;
+            processes_wake(&b->processes, place);
+        }
+    }
+    b->federation.missed = false;
+}
+
+void retire_tick(struct broker *b)
+{
+    struct retirement *t = &b->retirement;
+    if (retire_deadline_ns(b) > b->clock.now_ns) {
+        return;
+    }
+    t->next_ns = b->clock.now_ns + PAUSE_NS;
+    hold_all(b);
+    for (uint32_t agent = REGISTRY_OWN; agent < b->registry.count; agent++) {
+        if (!t->held[agent] && is_absent(b, agent) && !has_account(b, agent) &&
+            !is_held_beyond(b, agent)) {
+            agent_end(b, agent);
+        }
+    }
+    if (b->federation.missed && !registry_is_crowded(&b->registry)) {
+        missed_ask(b);
+    }
+}
+
+uint64_t retire_deadline_ns(const struct broker *b)
+{
+    bool wanted = registry_is_crowded(&b->registry) && !b->lockstep.on;
+    return wanted ? b->retirement.next_ns : UINT64_MAX;
+}
