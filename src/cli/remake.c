@@ -1,48 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cli/remake.h"
 
-#include "core/text.h"
+#include "core/csv.h"
+#include "core/text_file.h"
 #include "muster/memory.h"
 #include "world/condition/condition.h"
 
-#include <errno.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* A file that takes its name when it is whole. */
-struct draft {
-    FILE *file;
-    char path[PATH_MAX + 32], draft[PATH_MAX + 32];
-};
-
-static mu_result draft_fault(const struct draft *d, struct mu_fault *fault)
-{
-    (void)mu_fault_at(fault, d->path, 0, 0, "cannot write: %s", strerror(errno));
-    return MU_FAULT_OS;
-}
-
-static mu_result draft_open(struct draft *d, const char *folder, const char *name,
-                            struct mu_fault *fault)
-{
-    snprintf(d->path, sizeof d->path, "%s/%s", folder, name);
-    snprintf(d->draft, sizeof d->draft, "%s/.%s.new", folder, name);
-    d->file = fopen(d->draft, "we");
-    return d->file ? MU_OK : draft_fault(d, fault);
-}
-
-static mu_result draft_close(struct draft *d, struct mu_fault *fault)
-{
-    bool whole = !ferror(d->file);
-    whole = fclose(d->file) == 0 && whole;
-    if (whole && rename(d->draft, d->path) == 0) {
-        return MU_OK;
-    }
-    mu_result failed = draft_fault(d, fault);
-    remove(d->draft);
-    return failed;
-}
 
 /* --- run.csv ---------------------------------------------------------------------------------- */
 
@@ -52,40 +18,32 @@ static bool is_controlled(const struct recording *recording, uint32_t robot)
     return scene && robot < scene->robots._length && scene->robots._buffer[robot].controlled;
 }
 
-/* Six decimals, as the simulator writes them: zero has no sign. */
-static void number_write(FILE *file, double value)
-{
-    long long scaled = llround(value * 1e6);
-    fprintf(file, ",%s%lld.%06lld", scaled < 0 ? "-" : "", llabs(scaled / 1000000),
-            llabs(scaled % 1000000));
-}
-
 static void rows_write(FILE *file, const struct recording *recording, const muster_Frame *f)
 {
     for (uint32_t i = 0; i < f->robots._length; i++) {
         const muster_RobotView *v = &f->robots._buffer[i];
-        const double numbers[] = {v->x_m, v->y_m, v->heading_rad, v->forward_m_s, v->turn_rad_s};
-        if (!is_controlled(recording, i)) {
-            continue;
+        const struct mu_percept body = {.x_m = v->x_m,
+                                        .y_m = v->y_m,
+                                        .heading_rad = v->heading_rad,
+                                        .forward_m_s = v->forward_m_s,
+                                        .turn_rad_s = v->turn_rad_s,
+                                        .stalled = v->stalled};
+        if (is_controlled(recording, i)) {
+            mu_csv_row(file, (uint64_t)f->time_ns, v->name, &body);
         }
-        fprintf(file, "%.6f,%s", (double)f->time_ns * 1e-9, v->name);
-        for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++) {
-            number_write(file, numbers[k]);
-        }
-        fprintf(file, ",%d\n", v->stalled);
     }
 }
 
 mu_result remake_csv(struct recording *recording, const char *folder, struct mu_fault *fault)
 {
-    struct draft d;
-    MU_TRY(draft_open(&d, folder, "run.csv", fault));
-    fputs("time_s,robot,x_m,y_m,heading_rad,forward_m_s,turn_rad_s,stalled\n", d.file);
+    struct mu_draft d;
+    MU_TRY(mu_draft_open(&d, folder, "run.csv", fault));
+    mu_csv_head(d.file);
     recording_rewind(recording);
     for (const muster_Frame *f = recording_next(recording); f; f = recording_next(recording)) {
         rows_write(d.file, recording, f);
     }
-    return draft_close(&d, fault);
+    return mu_draft_close(&d, true, fault);
 }
 
 /* --- placements.csv ----------------------------------------------------------------------------
@@ -97,7 +55,7 @@ static size_t placements_write(FILE *file, const struct recording *recording, co
     for (uint32_t i = 0; i < f->robots._length; i++) {
         const muster_RobotView *v = &f->robots._buffer[i];
         if (v->placed && is_controlled(recording, i)) {
-            fprintf(file, "%.6f,%s\n", (double)f->time_ns * 1e-9, v->name);
+            mu_csv_placement(file, (uint64_t)f->time_ns, v->name);
             count++;
         }
     }
@@ -106,21 +64,18 @@ static size_t placements_write(FILE *file, const struct recording *recording, co
 
 mu_result remake_placements(struct recording *recording, const char *folder, struct mu_fault *fault)
 {
-    struct draft d;
+    struct mu_draft d;
     size_t count = 0;
-    MU_TRY(draft_open(&d, folder, "placements.csv", fault));
-    fputs("time_s,robot\n", d.file);
+    MU_TRY(mu_draft_open(&d, folder, "placements.csv", fault));
+    fputs(MU_CSV_PLACEMENTS_HEAD, d.file);
     recording_rewind(recording);
     for (const muster_Frame *f = recording_next(recording); f; f = recording_next(recording)) {
         count += placements_write(d.file, recording, f);
     }
-    if (count > 0) {
-        return draft_close(&d, fault);
+    if (count == 0) {
+        remove(d.path);
     }
-    fclose(d.file);
-    remove(d.draft);
-    remove(d.path);
-    return MU_OK;
+    return mu_draft_close(&d, count > 0, fault);
 }
 
 /* --- events.csv ------------------------------------------------------------------------------- */
@@ -218,7 +173,7 @@ static void events_look(struct condition_watch *watches, const struct experiment
             act_note(&watches[i], body_find(v, act->agent), act);
         }
         if (condition_watch_look(&watches[i], &view)) {
-            fprintf(file, "%.3f,%s\n", (double)f->time_ns * 1e-9, e->events[i]);
+            mu_csv_event(file, (uint64_t)f->time_ns, e->events[i]);
         }
     }
 }
@@ -243,21 +198,21 @@ mu_result remake_events(struct recording *recording, const struct run *r, struct
 {
     const struct experiment *e = r->experiment;
     struct view v = {.recording = recording};
-    struct draft d;
+    struct mu_draft d;
     if (e->events_count == 0) {
         return MU_OK;
     }
     struct condition_watch *watches = mu_startup_array(e->events_count, sizeof *watches);
     MU_TRY(events_read(watches, r, &v, fault));
-    MU_TRY(draft_open(&d, r->folder, "events.csv", fault));
-    fputs("time_s,event\n", d.file);
+    MU_TRY(mu_draft_open(&d, r->folder, "events.csv", fault));
+    fputs(MU_CSV_EVENTS_HEAD, d.file);
     recording_rewind(recording);
     while ((v.frame = recording_next(recording))) {
         if (is_step(recording, v.frame)) {
             events_look(watches, e, &v, d.file);
         }
     }
-    return draft_close(&d, fault);
+    return mu_draft_close(&d, true, fault);
 }
 
 /* --- how it ended ----------------------------------------------------------------------------- */

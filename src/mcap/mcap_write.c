@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/clock.h"
-#include "core/text.h"
+#include "core/text_file.h"
 #include "mcap/mcap_writer.h"
 #include "muster/memory.h"
 
@@ -286,16 +286,11 @@ mu_result mcap_writer_attach(struct mcap_writer *w, const char *name, const char
 mu_result mcap_writer_attach_file(struct mcap_writer *w, const char *name, const char *media_type,
                                   const char *path)
 {
-    FILE *file = fopen(path, "r");
-    if (!file) {
-        return MU_ABSENT;
-    }
+    struct mu_fault fault;
     mcap_writer_flush(w); /* its room is large enough for a file */
-    uint8_t *room = w->chunk.at + RECORDS_AT;
-    size_t size = fread(room, 1, MU_RECORD_MESSAGE_MAX + 1, file);
-    bool read = !ferror(file);
-    fclose(file);
-    return read ? mcap_writer_attach(w, name, media_type, room, size) : MU_ABSENT;
+    struct mu_text text = mu_text_in((char *)w->chunk.at + RECORDS_AT, MU_RECORD_MESSAGE_MAX + 2);
+    mu_result read = mu_text_file_read(path, &text, &fault);
+    return read == MU_OK ? mcap_writer_attach(w, name, media_type, text.at, text.len) : MU_ABSENT;
 }
 
 mu_result mcap_writer_metadata(struct mcap_writer *w, const char *name,

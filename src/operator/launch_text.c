@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "operator/operator.h"
 
-#include <errno.h>
-#include <stdio.h>
+#include "core/text_file.h"
+
 #include <string.h>
 
 /* A passport and the rules behind it. */
@@ -17,33 +17,18 @@ struct mu_text *launch_text_begin(const char *name, bool start, int64_t seed)
     return &text;
 }
 
-/* @return what is wrong with a text that was read, or NULL */
-static const char *text_objection(FILE *f, const char *text, size_t len, size_t room)
-{
-    if (ferror(f)) {
-        return strerror(errno);
-    }
-    bool good = len < room && strlen(text) == len && words_are_utf8(text);
-    return good ? NULL : "expected a text of at most 512 KiB, in UTF-8";
-}
-
 mu_result launch_text_rules(struct mu_text *out, const char *file)
 {
-    FILE *f = fopen(file, "rb");
-    if (!f) {
-        fprintf(stderr, "%s: cannot be opened: %s\n", file, strerror(errno));
+    struct mu_fault fault;
+    struct mu_text text = mu_text_in(out->at + out->len, out->size - out->len);
+    mu_result read = mu_text_file_read(file, &text, &fault);
+    if (read == MU_OK && (text.cut || strlen(text.at) != text.len || !words_are_utf8(text.at))) {
+        read = mu_fault_at(&fault, file, 0, 0, "expected a text of at most 512 KiB, in UTF-8");
+    }
+    if (read != MU_OK) {
+        mu_fault_print(&fault);
         return MU_FAULT_FILE;
     }
-    size_t room = out->size - out->len - 1;
-    char *text = out->at + out->len;
-    size_t len = fread(text, 1, room, f);
-    text[len] = '\0';
-    const char *wrong = text_objection(f, text, len, room);
-    fclose(f);
-    if (wrong) {
-        fprintf(stderr, "%s: %s\n", file, wrong);
-        return MU_FAULT_FILE;
-    }
-    out->len += len;
+    out->len += text.len;
     return MU_OK;
 }

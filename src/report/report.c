@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "core/text_file.h"
 #include "muster/memory.h"
 #include "report/report_data.h"
 
-#include <errno.h>
 #include <unistd.h>
 
 struct report_file {
@@ -22,33 +22,14 @@ static const struct report_file report_files[] = {
 static mu_result report_write_file(const struct report_file *what, const char *folder,
                                    const struct report_data *data, struct mu_fault *fault)
 {
-    char path[REPORT_PATH_MAX], draft[REPORT_PATH_MAX];
-    int len = snprintf(draft, sizeof draft, "%s/.%s.new", folder, what->name);
-    if (len < 0 || (size_t)len >= sizeof draft) {
-        errno = ENAMETOOLONG;
-        return mu_fault_os(fault, folder, "write the report");
-    }
-    snprintf(path, sizeof path, "%s/%s", folder, what->name);
-    FILE *file = fopen(draft, "we");
-    if (!file) {
-        return mu_fault_os(fault, path, "write");
-    }
+    struct mu_draft draft;
+    MU_TRY(mu_draft_open(&draft, folder, what->name, fault));
     if (what->write) {
-        what->write(file, data);
+        what->write(draft.file, data);
     } else {
-        what->write_page(file, data, folder);
+        what->write_page(draft.file, data, folder);
     }
-    errno = 0;
-    bool written = fflush(file) == 0 && !ferror(file);
-    int why = errno ? errno : EIO;
-    bool closed = fclose(file) == 0;
-    if (!written || !closed || rename(draft, path) != 0) {
-        why = written ? errno : why;
-        unlink(draft);
-        errno = why;
-        return mu_fault_os(fault, path, "write");
-    }
-    return MU_OK;
+    return mu_draft_close(&draft, true, fault);
 }
 
 static void colors_choose(struct report_data *data)

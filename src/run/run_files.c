@@ -9,7 +9,7 @@
 #include "core/hash.h"
 #include "core/paths.h"
 #include "core/sort.h"
-#include "core/text.h"
+#include "core/text_file.h"
 #include "muster/memory.h"
 #include "run/run.h"
 #include "world/parse/parser.h"
@@ -119,13 +119,11 @@ static void word_search(struct files *f, const struct run_file *of, const char *
 
 static void file_search(struct files *f, const struct run_file *of)
 {
-    FILE *file = strcmp(of->role, "rules") == 0 ? fopen(of->path, "r") : NULL;
-    if (!file) {
-        return;
+    struct mu_fault fault;
+    struct mu_text text = mu_text_in(f->text, TEXT_MAX);
+    if (strcmp(of->role, "rules") == 0 && mu_text_file_read(of->path, &text, &fault) == MU_OK) {
+        word_search(f, of, "extends");
     }
-    f->text[fread(f->text, 1, TEXT_MAX - 1, file)] = '\0';
-    fclose(file);
-    word_search(f, of, "extends");
 }
 
 static int path_compare(const void *one, const void *other, const void *context)

@@ -5,6 +5,7 @@
 #include "core/exits.h"
 #include "core/json.h"
 #include "core/options.h"
+#include "core/text_file.h"
 #include "muster/memory.h"
 #include "world/parse/parser.h"
 #include "world/world_load.h"
@@ -19,66 +20,6 @@
 /* --- draw and import ----------------------------------------------------------------------------
  */
 
-/* What is written goes to a file beside its end, so that a fault leaves no half of one. */
-struct output {
-    FILE *file;
-    const char *path;      /* NULL: standard output */
-    char beside[PATH_MAX]; /* "": it is written where it is */
-};
-
-static int output_fault(const char *path)
-{
-    fprintf(stderr, "muster world: cannot write %s: %s\n", path, strerror(errno));
-    return MU_EXIT_WRITE;
-}
-
-/* A new file may take the place of a file, but not that of a link, a pipe or a device. */
-static bool output_can_replace(const char *path)
-{
-    struct stat there;
-    return lstat(path, &there) != 0 || S_ISREG(there.st_mode);
-}
-
-static int output_open(struct output *output, const char *path)
-{
-    *output = (struct output){.file = stdout, .path = path};
-    if (!path) {
-        return MU_EXIT_DONE;
-    }
-    bool beside = output_can_replace(path);
-    int len = beside ? snprintf(output->beside, sizeof output->beside, "%s.part", path) : 0;
-    if (len < 0 || (size_t)len >= sizeof output->beside) {
-        errno = ENAMETOOLONG;
-        return output_fault(path);
-    }
-    output->file = fopen(beside ? output->beside : path, "w");
-    return output->file ? MU_EXIT_DONE : output_fault(path);
-}
-
-/* Puts what was written where it belongs.  @return whether it is there */
-static bool output_settle(const struct output *output)
-{
-    return output->beside[0] == '\0' || rename(output->beside, output->path) == 0;
-}
-
-/* Ends the file; unless it is good, it is as if it had never been. */
-static int output_close(struct output *output, int code)
-{
-    if (!output->path) {
-        return code;
-    }
-    bool written = fflush(output->file) == 0 && !ferror(output->file);
-    written = fclose(output->file) == 0 && written;
-    if (code == MU_EXIT_DONE && written && output_settle(output)) {
-        return code;
-    }
-    int failed = code == MU_EXIT_DONE ? output_fault(output->path) : code;
-    if (output->beside[0] != '\0') {
-        unlink(output->beside);
-    }
-    return failed;
-}
-
 static bool import_is_map(const char *path)
 {
     const char *dot = strrchr(path, '.');
@@ -90,17 +31,21 @@ typedef mu_result files_writer(const struct world_files_options *options, FILE *
 
 static int files_write(const struct world_files_options *options, files_writer *write)
 {
-    struct output output;
+    struct mu_draft out;
     struct mu_fault fault = {.text = ""};
-    int code = output_open(&output, options->out);
-    if (code != MU_EXIT_DONE) {
-        return code;
+    if (options->out && mu_draft_open(&out, NULL, options->out, &fault) != MU_OK) {
+        mu_fault_print(&fault);
+        return MU_EXIT_WRITE;
     }
-    mu_result done = write(options, output.file, &fault);
+    mu_result done = write(options, options->out ? out.file : stdout, &fault);
     if (done != MU_OK) {
         mu_fault_print(&fault);
     }
-    return output_close(&output, mu_exit_for(done));
+    if (options->out && mu_draft_close(&out, done == MU_OK, &fault) != MU_OK) {
+        mu_fault_print(&fault);
+        return MU_EXIT_WRITE;
+    }
+    return mu_exit_for(done);
 }
 
 static int files_draw(const struct world_files_options *options)

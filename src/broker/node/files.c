@@ -2,6 +2,7 @@
 #include "broker/node/node.h"
 
 #include "core/log.h"
+#include "core/text_file.h"
 #include "muster/memory.h"
 
 #include <errno.h>
@@ -10,37 +11,26 @@
 #include <string.h>
 #include <unistd.h>
 
-static mu_result policy_read(const char *path, char *text, struct mu_fault *fault)
+static mu_result policy_load(struct broker *b, const char *path, struct mu_fault *fault)
 {
-    FILE *file = fopen(path, "rb");
-    if (!file) {
+    struct mu_text text =
+        mu_text_in(mu_startup_alloc(FILES_POLICY_BYTES + 1), FILES_POLICY_BYTES + 1);
+    if (mu_text_file_read(path, &text, fault) != MU_OK) {
         return mu_fault_at(fault, path, 0, 0, "cannot read the policy: %s", strerror(errno));
     }
-    size_t len = fread(text, 1, FILES_POLICY_BYTES + 1, file);
-    int failed = ferror(file) ? errno : 0;
-    fclose(file);
-    if (failed) {
-        return mu_fault_at(fault, path, 0, 0, "cannot read the policy: %s", strerror(failed));
-    }
-    if (len > FILES_POLICY_BYTES) {
+    if (text.cut) {
         return mu_fault_at(fault, path, 0, 0, "expected at most %d bytes of policy",
                            FILES_POLICY_BYTES);
     }
-    text[len] = '\0';
-    if (strlen(text) != len) {
-        return mu_fault_at(fault, path, 0, 0, "expected text: there is a zero byte in it");
-    }
-    return MU_OK;
+    return strlen(text.at) == text.len
+               ? broker_policy(b, text.at, path, fault)
+               : mu_fault_at(fault, path, 0, 0, "expected text: there is a zero byte in it");
 }
 
 mu_result files_policy_load(struct broker *b, const char *path)
 {
     struct mu_fault fault = {0};
-    char *text = mu_startup_alloc(FILES_POLICY_BYTES + 2);
-    mu_result done = policy_read(path, text, &fault);
-    if (done == MU_OK) {
-        done = broker_policy(b, text, path, &fault);
-    }
+    mu_result done = policy_load(b, path, &fault);
     if (done != MU_OK) {
         mu_fault_print(&fault);
     }

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* compare.html: a plot for each statistic, every run a dot, every group a mean with its interval.
  */
-#include "core/text.h"
+#include "core/text_file.h"
 #include "report/compare/compare.h"
 #include "report/drawing/drawing.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -269,15 +268,8 @@ static void page_write(FILE *file, const struct compare *c)
 
 mu_result compare_page(const struct compare *c, const char *path, struct mu_fault *fault)
 {
-    FILE *file = fopen(path, "we");
-    if (!file) {
-        return mu_fault_os(fault, path, "write");
-    }
-    page_write(file, c);
-    errno = 0;
-    bool written = fflush(file) == 0 && !ferror(file);
-    int why = errno ? errno : EIO;
-    written = fclose(file) == 0 && written;
-    errno = why;
-    return written ? MU_OK : mu_fault_os(fault, path, "write");
+    struct mu_draft draft;
+    MU_TRY(mu_draft_open(&draft, NULL, path, fault));
+    page_write(draft.file, c);
+    return mu_draft_close(&draft, true, fault);
 }

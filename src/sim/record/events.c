@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "sim/record/record.h"
 
+#include "core/csv.h"
 #include "muster/memory.h"
 
 #include <errno.h>
@@ -86,7 +87,7 @@ mu_result events_open(struct events **out, const char *path, const struct mu_opt
         return events_fault(e, "create");
     }
     setvbuf(e->file, e->buffer, _IOFBF, sizeof e->buffer);
-    fputs("time_s,event\n", e->file);
+    fputs(MU_CSV_EVENTS_HEAD, e->file);
     *out = e;
     return MU_OK;
 }
@@ -102,7 +103,7 @@ void events_look(struct events *e, uint64_t time_ns, const struct condition_view
 {
     for (size_t i = 0; i < e->count; i++) {
         if (condition_watch_look(&e->at[i], view)) {
-            fprintf(e->file, "%.3f,%s\n", (double)time_ns * 1e-9, e->texts[i]);
+            mu_csv_event(e->file, time_ns, e->texts[i]);
         }
     }
 }

@@ -50,6 +50,38 @@ static void test_what_cannot_be_read(void)
     CU_ASSERT_STRING_EQUAL(fault.text, "cannot be read: Is a directory");
 }
 
+/* Until it is whole, a file leaves what has its name alone. */
+static void test_drafts(void)
+{
+    struct mu_draft d;
+    struct mu_fault fault;
+    struct mu_text out;
+    write_file("old", 3);
+    for (int whole = 0; whole < 2; whole++) {
+        CU_ASSERT_EQUAL_FATAL(mu_draft_open(&d, NULL, path, &fault), MU_OK);
+        fputs("new", d.file);
+        CU_ASSERT_EQUAL(access(d.beside, F_OK), 0);
+        CU_ASSERT_EQUAL(mu_draft_close(&d, whole, &fault), MU_OK);
+        CU_ASSERT_NOT_EQUAL(access(d.beside, F_OK), 0);
+        CU_ASSERT_EQUAL(read_file(path, &out, 8), MU_OK);
+        CU_ASSERT_STRING_EQUAL(out.at, whole ? "new" : "old");
+    }
+}
+
+static void test_drafts_that_fail(void)
+{
+    struct mu_draft d;
+    struct mu_fault fault;
+    CU_ASSERT_EQUAL(mu_draft_open(&d, "/tmp/there/is", "none", &fault), MU_FAULT_OS);
+    CU_ASSERT_STRING_EQUAL(fault.file, "/tmp/there/is/none");
+    CU_ASSERT_STRING_EQUAL(fault.text, "cannot write: No such file or directory");
+    CU_ASSERT_EQUAL_FATAL(mu_draft_open(&d, "/dev", "full", &fault), MU_OK);
+    CU_ASSERT_STRING_EQUAL(d.beside, "");
+    fputs("new", d.file);
+    CU_ASSERT_EQUAL(mu_draft_close(&d, true, &fault), MU_FAULT_OS);
+    CU_ASSERT_STRING_EQUAL(fault.text, "cannot write: No space left on device");
+}
+
 int main(void)
 {
     int file = mkstemp(path);
@@ -60,6 +92,8 @@ int main(void)
     CU_TestInfo tests[] = {
         {"whole and cut", test_whole_and_cut},
         {"what cannot be read", test_what_cannot_be_read},
+        {"drafts", test_drafts},
+        {"drafts that fail", test_drafts_that_fail},
         CU_TEST_INFO_NULL,
     };
     int code = suite_run("core/text_file", tests);
