@@ -10,59 +10,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define BOX_OPTIONS(s)                                                                          \
-    {.name = "box-mails",                                                                       \
-     .kind = MU_OPTION_INTEGER,                                                                 \
-     .unit = "N",                                                                               \
-     .environment = "MUSTER_BOX_MAILS",                                                         \
-     .help = "mails that one box holds; else the most, MU_BOX_MAX",                             \
-     .target = &(s)->box_mails,                                                                 \
-     .min = 1,                                                                                  \
-     .max = MU_BOX_MAX},                                                                        \
-        {.name = "box-bytes",                                                                   \
-         .kind = MU_OPTION_INTEGER,                                                             \
-         .unit = "BYTES",                                                                       \
-         .environment = "MUSTER_BOX_BYTES",                                                     \
-         .help = "memory that they take; else MU_BOX_BYTES_MAX",                                \
-         .target = &(s)->box_bytes,                                                             \
-         .min = 1024,                                                                           \
-         .max = MU_BOX_BYTES_MAX},                                                              \
-    {                                                                                           \
-        .name = "box-policy", .kind = MU_OPTION_STRING, .unit = "POLICY", .fallback = "refuse", \
-        .environment = "MUSTER_BOX_POLICY",                                                     \
-        .help = "when a box is full: refuse, drop-oldest, drop-lowest",                         \
-        .target = &(s)->box_policy_word                                                         \
-    }
-
-#define COURIER_AND_TRUST_OPTIONS(s)                                                              \
-    {.name = "delivery-interval",                                                                 \
-     .kind = MU_OPTION_REAL,                                                                      \
-     .unit = "MS",                                                                                \
-     .fallback = "0",                                                                             \
-     .environment = "MUSTER_DELIVERY_INTERVAL",                                                   \
-     .help = "hand a process mail at most this often; 0: at once",                                \
-     .target = &(s)->delivery_interval_ms,                                                        \
-     .max = DISPATCH_INTERVAL_MAX_MS},                                                            \
-        {.name = "policy",                                                                        \
-         .kind = MU_OPTION_STRING,                                                                \
-         .unit = "FILE",                                                                          \
-         .environment = "MUSTER_POLICY",                                                          \
-         .help = "who may direct whom (default: observer and operator all)",                      \
-         .target = &(s)->policy},                                                                 \
-        {.name = "name-expiry",                                                                   \
-         .kind = MU_OPTION_INTEGER,                                                               \
-         .unit = "SECONDS",                                                                       \
-         .fallback = "600",                                                                       \
-         .environment = "MUSTER_NAME_EXPIRY",                                                     \
-         .help = "a name that is absent for so long, and holds nothing, makes room when needed",  \
-         .target = &(s)->name_expiry_s,                                                           \
-         .min = 1,                                                                                \
-         .max = NAME_EXPIRY_MAX_S},                                                               \
-    {                                                                                             \
-        .name = "audit", .kind = MU_OPTION_STRING, .unit = "FILE", .environment = "MUSTER_AUDIT", \
-        .help = "append every directive to this file, a line of JSON each", .target = &(s)->audit \
-    }
-
 /* @return false, said so: there is no such policy */
 static bool box_policy_read(const char *word, muster_BoxPolicy *policy)
 {
@@ -122,19 +69,33 @@ int settings_read(struct settings *s, const char **name, int argc, char **argv)
 {
     struct mu_option table[] = {
         MU_NETWORK_OPTIONS(s->network),
-        COURIER_AND_TRUST_OPTIONS(s),
-        BOX_OPTIONS(s),
-        {.name = "store",
-         .kind = MU_OPTION_STRING,
-         .unit = "FILE",
-         .environment = "MUSTER_STORE",
-         .help = "where names and durable mail are kept, or none (default: "
-                 "~/.local/state/muster/D-NAME.db)",
-         .target = &s->store},
-        {.name = "counters",
-         .kind = MU_OPTION_FLAG,
-         .help = "list what each part counts, as Markdown, and end",
-         .target = &s->counters},
+        MU_REAL("delivery-interval", "MS", s->delivery_interval_ms,
+                "hand a process mail at most this often; 0: at once", .fallback = "0",
+                .environment = "MUSTER_DELIVERY_INTERVAL", .max = DISPATCH_INTERVAL_MAX_MS),
+        MU_STRING("policy", "FILE", s->policy,
+                  "who may direct whom (default: observer and operator all)",
+                  .environment = "MUSTER_POLICY"),
+        MU_INTEGER("name-expiry", "SECONDS", s->name_expiry_s,
+                   "a name that is absent for so long, and holds nothing, makes room when needed",
+                   .fallback = "600", .environment = "MUSTER_NAME_EXPIRY", .min = 1,
+                   .max = NAME_EXPIRY_MAX_S),
+        MU_STRING("audit", "FILE", s->audit,
+                  "append every directive to this file, a line of JSON each",
+                  .environment = "MUSTER_AUDIT"),
+        MU_INTEGER("box-mails", "N", s->box_mails,
+                   "mails that one box holds; else the most, MU_BOX_MAX",
+                   .environment = "MUSTER_BOX_MAILS", .min = 1, .max = MU_BOX_MAX),
+        MU_INTEGER("box-bytes", "BYTES", s->box_bytes,
+                   "memory that they take; else MU_BOX_BYTES_MAX",
+                   .environment = "MUSTER_BOX_BYTES", .min = 1024, .max = MU_BOX_BYTES_MAX),
+        MU_STRING("box-policy", "POLICY", s->box_policy_word,
+                  "when a box is full: refuse, drop-oldest, drop-lowest", .fallback = "refuse",
+                  .environment = "MUSTER_BOX_POLICY"),
+        MU_STRING("store", "FILE", s->store,
+                  "where names and durable mail are kept, or none (default: "
+                  "~/.local/state/muster/D-NAME.db)",
+                  .environment = "MUSTER_STORE"),
+        MU_FLAG("counters", s->counters, "list what each part counts, as Markdown, and end"),
         MU_OPTION_VERBOSE(s->verbose),
     };
     static struct mu_options options;
