@@ -7,6 +7,7 @@
 #ifndef MUSTER_BROKER_BASE_H
 #define MUSTER_BROKER_BASE_H
 
+#include "core/list.h"
 #include "core/table.h"
 #include "muster/limits.h"
 #include "muster/result.h"
@@ -67,17 +68,16 @@ uint64_t clock_wall_ns(const struct broker *b);
  */
 
 struct change {
-    uint64_t version;    /* 0: not in the list */
-    uint32_t next, prev; /* the next one has the higher version */
-    bool gone;           /* in the list of those that are no more */
+    uint64_t version;    /* 0: it is no more, or never was */
+    struct mu_link link; /* the next one has the higher version */
+    struct mu_link gone; /* of those that are no more */
 };
 
 struct changelog {
     struct change *lines; /* one for each line of the table */
-    uint32_t first, last; /* the oldest, the youngest */
+    struct mu_list list;  /* from the oldest to the youngest */
+    struct mu_list gone;  /* lines that are no more, until changelog_gone has told of them */
     uint64_t version;     /* of the last change; the first is 1 */
-    uint32_t *gone;       /* lines that are no more, until changelog_gone has told of them */
-    uint32_t gone_count;
 };
 
 /** Takes memory at start-up. */
@@ -114,15 +114,13 @@ uint32_t changelog_next(const struct changelog *c, uint32_t line);
 enum { LIMITER_PAUSE_NS = 100000000 };
 
 struct paced {
-    uint64_t until_ns; /* not told anything but good news before this */
-    bool queued;       /* there is something to tell then */
+    uint64_t until_ns;   /* not told anything but good news before this */
+    struct mu_link link; /* there is something to tell then */
 };
 
 struct limiter {
     struct paced *agents; /* one for each agent of the registry */
-    uint32_t *ring;       /* those in the queue, each once */
-    uint32_t size;        /* of both */
-    uint32_t head, count;
+    struct mu_list queue;
 };
 
 void limiter_init(struct limiter *p, uint32_t agents);
@@ -158,14 +156,13 @@ struct alert {
     uint64_t count;  /* since it was told last; 0: nothing to tell */
     uint64_t at_ns;  /* of the last one, by the broker's clock */
     enum alert_kind kind;
+    struct mu_link link; /* of those to be told */
 };
 
 struct alerts {
     struct alert *all; /* ALERT_KINDS for each agent of the registry */
-    uint32_t *ring;    /* of those to be told, each once */
-    uint32_t size;     /* of both */
-    uint32_t head, count;
-    uint32_t ready; /* of those in the ring, they may be told now */
+    struct mu_list queue;
+    uint32_t ready; /* so many of the queue may be told now */
     uint64_t pause_until_ns;
 };
 
@@ -348,13 +345,13 @@ struct mail {
     uint32_t place[TIMERS_KINDS]; /* in the schedule's heap; MU_NONE: not there */
     uint64_t order;               /* in which mails were routed */
     uint32_t sender;              /* an index of the registry */
-    uint32_t only;      /* its one receiver, by another broker's word; MU_NONE: as dst says */
-    uint32_t kept_for;  /* the one that a lock step keeps it for; MU_NONE: for many, or unknown */
-    uint32_t payer;     /* whose share it takes: the sender's, or who asked for it */
-    uint32_t posts;     /* the first of its places in boxes; MU_NONE: none */
-    uint32_t unsettled; /* receivers that have neither acknowledged it nor let it expire */
-    uint32_t veiled;    /* of them, outside a lock step that the sender is in */
-    uint32_t uses;      /* freed at 0 */
+    uint32_t only;        /* its one receiver, by another broker's word; MU_NONE: as dst says */
+    uint32_t kept_for;    /* the one that a lock step keeps it for; MU_NONE: for many, or unknown */
+    uint32_t payer;       /* whose share it takes: the sender's, or who asked for it */
+    struct mu_list posts; /* its places in boxes */
+    uint32_t unsettled;   /* receivers that have neither acknowledged it nor let it expire */
+    uint32_t veiled;      /* of them, outside a lock step that the sender is in */
+    uint32_t uses;        /* freed at 0 */
     uint32_t bytes;
     uint32_t size_class;
     struct mail *older, *newer;     /* of those that wait in boxes; see arrivals.h */
@@ -363,15 +360,15 @@ struct mail {
     struct quota_use booked_veiled; /* for those outside, on its sender's account there */
     uint8_t side;                   /* enum share_side: the account on which it is booked */
     uint8_t answer;                 /* muster_Outcome: the last word, if its sender was told that */
-    enum mail_told told;
-    enum mail_fate fate;
-    enum mail_durable durable;
+    enum mail_told told : 8;
+    enum mail_fate fate : 8;
+    enum mail_durable durable : 8;
     bool tell_stored;    /* its sender is told that it is stored, once it is on disk */
     bool stored_ends_it; /* that is then the last word */
 };
 
 struct pool_slab {
-    uint32_t next, prev; /* in the list of its class's slabs with room, or (next) of free slabs */
+    struct mu_link link; /* in the list of its class's slabs with room */
     uint32_t size_class;
     uint32_t live;   /* records in use */
     uint32_t carved; /* records ever used since the class took it */
@@ -381,9 +378,8 @@ struct pool_slab {
 struct pool {
     unsigned char *memory;
     struct pool_slab *slabs;
-    uint32_t slabs_used; /* high-water mark */
-    uint32_t slabs_free; /* list of slabs given back */
-    uint32_t open[POOL_CLASSES];
+    struct mu_pool slabs_pool;
+    struct mu_list open[POOL_CLASSES];
     uint32_t mails;
 };
 
@@ -447,21 +443,20 @@ enum { MAILBOX_SHARE_QUEUES = 3 };
 
 /* A list of posts, and what they take. */
 struct post_queue {
-    uint32_t head, tail, count, bytes;
+    struct mu_list posts;
+    uint32_t bytes;
 };
 
 struct mailbox_share {
     uint32_t box, sender;
-    uint32_t next; /* with the same hash, or free */
+    uint32_t next; /* with the same hash */
     struct quota_use use;
     struct post_queue waiting[MAILBOX_SHARE_QUEUES]; /* the sender's part of the box's queues */
 };
 
 struct mailbox_shares {
-    struct mailbox_share *pool; /* QUOTA_POSTS_MAX of them */
-    uint32_t used;              /* high-water mark */
-    uint32_t free;
-    uint32_t live;
+    struct mailbox_share *at; /* QUOTA_POSTS_MAX of them */
+    struct mu_pool pool;
     uint32_t *heads; /* of the lists of each hash: an index and one, or 0 */
     uint32_t mask;
 };
@@ -499,16 +494,12 @@ enum mailbox_gate { GATE_SHUT, GATE_URGENT, GATE_OPEN };
 enum post_list { POST_HELD, POST_LOW, POST_NORMAL, POST_HIGH, POST_URGENT, POST_FLIGHT };
 
 /* The lists that a post stands in at the same time. */
-enum post_links { LINKS_BOX, LINKS_PAIR, LINKS };
-
-struct post_link {
-    uint32_t next, prev;
-};
+enum post_links { LINKS_BOX, LINKS_PAIR, LINKS_MAIL, LINKS };
 
 struct post {
     struct mail *mail;
-    struct post_link links[LINKS]; /* in its list of the box, also the free list; in the pair's */
-    uint32_t sibling_next, sibling_prev; /* posts of the same mail */
+    struct mu_link
+        links[LINKS]; /* in its list of the box, that of the pair, and of its mail's posts */
     uint32_t agent;
     uint32_t pair; /* of box and sender */
     uint8_t list;  /* enum post_list */
@@ -524,7 +515,6 @@ struct box_limits {
 
 struct box {
     bool begun;
-    bool watched; /* in the list of boxes that wait for an acknowledgement */
     struct post_queue lists[POST_FLIGHT + 1]; /* POST_HELD: its count alone */
     uint64_t acked;                           /* the number before the first one in flight */
     uint32_t out;     /* the first in flight that is to go out (again); or MU_NONE */
@@ -532,19 +522,17 @@ struct box {
     uint64_t progress_ns;
     uint32_t unsaved;         /* mails of the store, acknowledged since */
     uint64_t unsaved_commits; /* so many commits had been made; see journal_room */
-    uint32_t watch_next, watch_prev;
+    struct mu_link watch;     /* of the boxes that wait for an acknowledgement */
     struct quota_use use;     /* waiting, held and in flight */
     struct box_limits limits; /* 0: the broker's */
 };
 
 struct mailbox {
-    struct post *posts;  /* QUOTA_POSTS_MAX of them */
-    uint32_t posts_used; /* high-water mark */
-    uint32_t posts_free;
-    uint32_t posts_live;
-    uint64_t base;                   /* every box counts from here */
-    struct box *boxes;               /* one for each agent of the registry */
-    uint32_t watch_head, watch_tail; /* the box without progress for longest is the head */
+    struct post *posts; /* QUOTA_POSTS_MAX of them */
+    struct mu_pool posts_pool;
+    uint64_t base;          /* every box counts from here */
+    struct box *boxes;      /* one for each agent of the registry */
+    struct mu_list watched; /* the box without progress for longest is the first */
     struct mailbox_shares shares;
     struct box_limits limits; /* of boxes that have none of their own */
 };
@@ -589,6 +577,12 @@ enum post_list mailbox_queue(const struct mail *mail);
 
 /** @return the post behind this one in its list of the box, or MU_NONE */
 uint32_t mailbox_next(const struct mailbox *m, uint32_t post);
+
+/** @return the next post of the same mail, or MU_NONE */
+uint32_t mailbox_sibling(const struct mailbox *m, uint32_t post);
+
+/** @return the box without progress for longest, of those that wait for an acknowledgement */
+uint32_t mailbox_watched(const struct mailbox *m);
 
 /**
  * Puts a mail into a box, or holds it until mailbox_admit, whatever the box's limits say.
@@ -683,20 +677,14 @@ enum { RECEIPTS_EACH_MAX = 2 * MU_OUTBOX_MAX };
 struct receipt {
     uint64_t first_seq, last_seq;
     muster_Outcome result;
-    uint32_t next;
-};
-
-struct receipt_queue {
-    bool begun;
-    uint32_t head, tail, count;
+    struct mu_link link;
 };
 
 struct receipts {
-    struct receipt *pool; /* MU_MAILS_MAX of them */
-    uint32_t used;        /* high-water mark */
-    uint32_t free;
-    struct receipt_queue *queues; /* one for each agent of the registry */
-    uint64_t lost;                /* receipts that were not told, for want of room */
+    struct receipt *at; /* MU_MAILS_MAX of them */
+    struct mu_pool pool;
+    struct mu_list *queues; /* one for each agent of the registry */
+    uint64_t lost;          /* receipts that were not told, for want of room */
 };
 
 void receipts_init(struct receipts *r, uint32_t agents);
@@ -710,8 +698,12 @@ void receipts_init(struct receipts *r, uint32_t agents);
 void receipts_add(struct receipts *r, uint32_t agent, uint64_t first_seq, uint64_t last_seq,
                   muster_Outcome result);
 
-/** @return the agent's queue */
-const struct receipt_queue *receipts_of(struct receipts *r, uint32_t agent);
+/** @return how many receipts wait for an agent */
+uint32_t receipts_count(const struct receipts *r, uint32_t agent);
+
+/** @return the receipt behind another one, or (after NULL) the agent's first; or NULL */
+const struct receipt *receipts_next(const struct receipts *r, uint32_t agent,
+                                    const struct receipt *after);
 
 /** Removes the oldest count receipts of an agent. */
 void receipts_drop(struct receipts *r, uint32_t agent, uint32_t count);

@@ -5,9 +5,7 @@
 
 void limiter_init(struct limiter *p, uint32_t agents)
 {
-    *p = (struct limiter){.size = agents};
-    p->agents = mu_startup_array(agents, sizeof *p->agents);
-    p->ring = mu_startup_array(agents, sizeof *p->ring);
+    *p = (struct limiter){.agents = mu_startup_array(agents, sizeof *p->agents)};
 }
 
 static uint64_t pause_end_ns(uint64_t now_ns)
@@ -19,13 +17,11 @@ bool limiter_holds(struct limiter *p, uint32_t agent, uint64_t now_ns)
 {
     struct paced *a = &p->agents[agent];
     if (now_ns < a->until_ns) {
-        if (!a->queued) {
-            a->queued = true;
-            p->ring[(p->head + p->count++) % p->size] = agent;
-        }
+        (void)mu_list_append(&p->queue, MU_LINKS(p->agents, link), agent);
         return true;
     }
-    if (!a->queued) { /* else others would wait behind it once more */
+    if (!mu_list_has(MU_LINKS(p->agents, link),
+                     agent)) { /* else others would wait behind it once more */
         a->until_ns = pause_end_ns(now_ns);
     }
     return false;
@@ -34,17 +30,15 @@ bool limiter_holds(struct limiter *p, uint32_t agent, uint64_t now_ns)
 /* The head may be due a little later than one behind it, which then waits for it. */
 uint64_t limiter_deadline_ns(const struct limiter *p)
 {
-    return p->count ? p->agents[p->ring[p->head]].until_ns : UINT64_MAX;
+    return p->queue.count ? p->agents[mu_list_first(&p->queue)].until_ns : UINT64_MAX;
 }
 
 uint32_t limiter_next(struct limiter *p, uint64_t now_ns)
 {
-    if (p->count == 0 || now_ns < limiter_deadline_ns(p)) {
-        return MU_NONE;
+    uint32_t agent = MU_NONE;
+    if (p->queue.count > 0 && now_ns >= limiter_deadline_ns(p)) {
+        agent = mu_list_take(&p->queue, MU_LINKS(p->agents, link));
+        p->agents[agent].until_ns = pause_end_ns(now_ns);
     }
-    uint32_t agent = p->ring[p->head];
-    p->head = (p->head + 1) % p->size;
-    p->count--;
-    p->agents[agent] = (struct paced){.until_ns = pause_end_ns(now_ns)};
     return agent;
 }

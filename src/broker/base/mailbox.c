@@ -5,7 +5,8 @@
 
 void mailbox_init(struct mailbox *m, uint32_t agents)
 {
-    *m = (struct mailbox){.posts_free = MU_NONE, .watch_head = MU_NONE, .watch_tail = MU_NONE};
+    *m = (struct mailbox){0};
+    mu_pool_init(&m->posts_pool, QUOTA_POSTS_MAX);
     m->posts = mu_startup_array(QUOTA_POSTS_MAX, sizeof *m->posts);
     m->boxes = mu_startup_array(agents, sizeof *m->boxes);
     mailbox_share_init(&m->shares);
@@ -17,9 +18,6 @@ struct box *mailbox_box(struct mailbox *m, uint32_t agent)
     struct box *box = &m->boxes[agent];
     if (!box->begun) {
         *box = (struct box){.begun = true, .acked = m->base, .out = MU_NONE};
-        for (int i = 0; i <= POST_FLIGHT; i++) {
-            box->lists[i] = (struct post_queue){.head = MU_NONE, .tail = MU_NONE};
-        }
     }
     return box;
 }
@@ -33,7 +31,7 @@ void mailbox_end(struct mailbox *m, uint32_t agent)
 {
     const struct box *box = &m->boxes[agent];
     if (box->begun) {
-        MU_ASSERT(box->use.mails == 0 && !box->watched);
+        MU_ASSERT(box->use.mails == 0 && !mu_list_has(MU_LINKS(m->boxes, watch), agent));
         m->base = box->acked > m->base ? box->acked : m->base;
         m->boxes[agent] = (struct box){.begun = false};
     }
@@ -73,49 +71,22 @@ struct box_limits mailbox_limits(const struct mailbox *m, const struct box *box)
 
 /* --- lists of posts --------------------------------------------------------------------------- */
 
-static void queue_append(struct mailbox *m, struct post_queue *q, uint32_t post,
-                         enum post_links links)
+static struct mu_links links_of(const struct mailbox *m, enum post_links links)
 {
-    m->posts[post].links[links] = (struct post_link){.next = MU_NONE, .prev = q->tail};
-    if (q->tail == MU_NONE) {
-        q->head = post;
-    } else {
-        m->posts[q->tail].links[links].next = post;
-    }
-    q->tail = post;
-    q->count++;
-    q->bytes += m->posts[post].mail->bytes;
+    return MU_LINKS(m->posts, links[links]);
 }
 
-static void queue_prepend(struct mailbox *m, struct post_queue *q, uint32_t post,
-                          enum post_links links)
+static void queue_put(struct mailbox *m, struct post_queue *q, uint32_t post, enum post_links links,
+                      bool first)
 {
-    m->posts[post].links[links] = (struct post_link){.next = q->head, .prev = MU_NONE};
-    if (q->head == MU_NONE) {
-        q->tail = post;
-    } else {
-        m->posts[q->head].links[links].prev = post;
-    }
-    q->head = post;
-    q->count++;
+    (void)(first ? mu_list_prepend : mu_list_append)(&q->posts, links_of(m, links), post);
     q->bytes += m->posts[post].mail->bytes;
 }
 
 static void queue_remove(struct mailbox *m, struct post_queue *q, uint32_t post,
                          enum post_links links)
 {
-    struct post_link at = m->posts[post].links[links];
-    if (at.prev == MU_NONE) {
-        q->head = at.next;
-    } else {
-        m->posts[at.prev].links[links].next = at.next;
-    }
-    if (at.next == MU_NONE) {
-        q->tail = at.prev;
-    } else {
-        m->posts[at.next].links[links].prev = at.prev;
-    }
-    q->count--;
+    (void)mu_list_remove(&q->posts, links_of(m, links), post);
     q->bytes -= m->posts[post].mail->bytes;
 }
 
@@ -124,26 +95,17 @@ static struct post_queue *pair_queue(struct mailbox *m, uint32_t post)
 {
     const struct post *p = &m->posts[post];
     bool may_be_dropped = p->list >= POST_LOW && p->list <= POST_HIGH;
-    return may_be_dropped ? &m->shares.pool[p->pair].waiting[p->list - POST_LOW] : NULL;
+    return may_be_dropped ? &m->shares.at[p->pair].waiting[p->list - POST_LOW] : NULL;
 }
 
-static void list_append(struct mailbox *m, struct box *box, uint32_t post, enum post_list list)
+static void list_put(struct mailbox *m, struct box *box, uint32_t post, enum post_list list,
+                     bool first)
 {
     m->posts[post].list = (uint8_t)list;
-    queue_append(m, &box->lists[list], post, LINKS_BOX);
+    queue_put(m, &box->lists[list], post, LINKS_BOX, first);
     struct post_queue *senders = pair_queue(m, post);
     if (senders) {
-        queue_append(m, senders, post, LINKS_PAIR);
-    }
-}
-
-static void list_prepend(struct mailbox *m, struct box *box, uint32_t post, enum post_list list)
-{
-    m->posts[post].list = (uint8_t)list;
-    queue_prepend(m, &box->lists[list], post, LINKS_BOX);
-    struct post_queue *senders = pair_queue(m, post);
-    if (senders) {
-        queue_prepend(m, senders, post, LINKS_PAIR);
+        queue_put(m, senders, post, LINKS_PAIR, first);
     }
 }
 
@@ -158,24 +120,15 @@ static void list_remove(struct mailbox *m, struct box *box, uint32_t post)
 
 uint32_t mailbox_next(const struct mailbox *m, uint32_t post)
 {
-    return m->posts[post].links[LINKS_BOX].next;
+    return mu_list_next(links_of(m, LINKS_BOX), post);
+}
+
+uint32_t mailbox_sibling(const struct mailbox *m, uint32_t post)
+{
+    return mu_list_next(links_of(m, LINKS_MAIL), post);
 }
 
 /* --- posts ------------------------------------------------------------------------------------ */
-
-static uint32_t post_take(struct mailbox *m)
-{
-    uint32_t post = m->posts_free;
-    if (post != MU_NONE) {
-        m->posts_free = mailbox_next(m, post);
-    } else if (m->posts_used < QUOTA_POSTS_MAX) {
-        post = m->posts_used++;
-    } else {
-        return MU_NONE;
-    }
-    m->posts_live++;
-    return post;
-}
 
 static void post_give(struct mailbox *m, uint32_t post)
 {
@@ -183,22 +136,13 @@ static void post_give(struct mailbox *m, uint32_t post)
     struct quota_use less = {.mails = 1, .bytes = p->mail->bytes};
     p->mail->veiled -= p->veiled;
     quota_subtract(&m->boxes[p->agent].use, &less);
-    quota_subtract(&m->shares.pool[p->pair].use, &less);
-    if (m->shares.pool[p->pair].use.mails == 0) {
+    quota_subtract(&m->shares.at[p->pair].use, &less);
+    if (m->shares.at[p->pair].use.mails == 0) {
         mailbox_share_drop(&m->shares, p->pair);
     }
-    if (p->sibling_prev == MU_NONE) {
-        p->mail->posts = p->sibling_next;
-    } else {
-        m->posts[p->sibling_prev].sibling_next = p->sibling_next;
-    }
-    if (p->sibling_next != MU_NONE) {
-        m->posts[p->sibling_next].sibling_prev = p->sibling_prev;
-    }
+    (void)mu_list_remove(&p->mail->posts, links_of(m, LINKS_MAIL), post);
     p->mail = NULL;
-    p->links[LINKS_BOX].next = m->posts_free;
-    m->posts_free = post;
-    m->posts_live--;
+    mu_pool_give(&m->posts_pool, post);
 }
 
 enum post_list mailbox_queue(const struct mail *mail)
@@ -210,29 +154,23 @@ enum post_list mailbox_queue(const struct mail *mail)
 mu_result mailbox_put(struct mailbox *m, uint32_t agent, struct mail *mail, bool held)
 {
     struct box *box = mailbox_box(m, agent);
-    uint32_t post = post_take(m);
+    uint32_t post = mu_pool_take(&m->posts_pool);
     if (post == MU_NONE) {
         return MU_FULL;
     }
-    m->posts[post] = (struct post){.mail = mail,
-                                   .sibling_next = mail->posts,
-                                   .sibling_prev = MU_NONE,
-                                   .agent = agent,
-                                   .pair = mailbox_share_get(&m->shares, agent, mail->payer)};
-    if (mail->posts != MU_NONE) {
-        m->posts[mail->posts].sibling_prev = post;
-    }
-    mail->posts = post;
+    m->posts[post] = (struct post){
+        .mail = mail, .agent = agent, .pair = mailbox_share_get(&m->shares, agent, mail->payer)};
+    (void)mu_list_prepend(&mail->posts, links_of(m, LINKS_MAIL), post);
     struct quota_use more = {.mails = 1, .bytes = mail->bytes};
     quota_add(&box->use, &more);
-    quota_add(&m->shares.pool[m->posts[post].pair].use, &more);
-    list_append(m, box, post, held ? POST_HELD : mailbox_queue(mail));
+    quota_add(&m->shares.at[m->posts[post].pair].use, &more);
+    list_put(m, box, post, held ? POST_HELD : mailbox_queue(mail), false);
     return MU_OK;
 }
 
 void mailbox_veil(struct mailbox *m, struct mail *mail)
 {
-    m->posts[mail->posts].veiled = true;
+    m->posts[mu_list_first(&mail->posts)].veiled = true;
     mail->veiled++;
 }
 
@@ -242,7 +180,7 @@ void mailbox_admit(struct mailbox *m, uint32_t post)
     MU_ASSERT(p->list == POST_HELD);
     struct box *box = mailbox_box(m, p->agent);
     list_remove(m, box, post);
-    list_append(m, box, post, mailbox_queue(p->mail));
+    list_put(m, box, post, mailbox_queue(p->mail), false);
 }
 
 void mailbox_withdraw(struct mailbox *m, uint32_t post)
@@ -257,15 +195,15 @@ void mailbox_withdraw(struct mailbox *m, uint32_t post)
 static void queue_hand_out(struct mailbox *m, struct box *box, enum post_list list, uint32_t window,
                            uint32_t *written)
 {
-    while (box->lists[list].count > 0 && box->lists[POST_FLIGHT].count < window) {
-        uint32_t post = box->lists[list].head;
+    while (box->lists[list].posts.count > 0 && box->lists[POST_FLIGHT].posts.count < window) {
+        uint32_t post = mu_list_first(&box->lists[list].posts);
         bool is_written = mail_is_written(m->posts[post].mail);
         if (is_written && *written == 0) {
             return;
         }
         *written -= is_written;
         list_remove(m, box, post);
-        list_append(m, box, post, POST_FLIGHT);
+        list_put(m, box, post, POST_FLIGHT, false);
         if (box->out == MU_NONE) {
             box->out = post;
         }
@@ -290,20 +228,20 @@ bool mailbox_next_is(struct mailbox *m, uint32_t agent, const struct mail *mail)
 {
     const struct box *box = mailbox_box(m, agent);
     int list = POST_URGENT;
-    while (list > POST_LOW && box->lists[list].count == 0) {
+    while (list > POST_LOW && box->lists[list].posts.count == 0) {
         list--;
     }
-    uint32_t head = box->lists[list].head;
-    return box->lists[POST_FLIGHT].count < MU_WINDOW_MAX && head != MU_NONE &&
+    uint32_t head = mu_list_first(&box->lists[list].posts);
+    return box->lists[POST_FLIGHT].posts.count < MU_WINDOW_MAX && head != MU_NONE &&
            m->posts[head].mail == mail;
 }
 
 void mailbox_hand_next(struct mailbox *m, uint32_t agent, const struct mail *mail)
 {
     struct box *box = mailbox_box(m, agent);
-    uint32_t post = box->lists[mailbox_queue(mail)].head;
+    uint32_t post = mu_list_first(&box->lists[mailbox_queue(mail)].posts);
     list_remove(m, box, post);
-    list_append(m, box, post, POST_FLIGHT);
+    list_put(m, box, post, POST_FLIGHT, false);
     box->out = box->out == MU_NONE ? post : box->out;
 }
 
@@ -313,14 +251,14 @@ void mailbox_take_back(struct mailbox *m, uint32_t agent)
         return;
     }
     struct box *box = mailbox_box(m, agent);
-    uint32_t post = box->lists[POST_FLIGHT].tail;
+    uint32_t post = mu_list_last(&box->lists[POST_FLIGHT].posts);
     while (post != MU_NONE && !m->posts[post].sent) {
-        uint32_t before = m->posts[post].links[LINKS_BOX].prev;
+        uint32_t before = mu_list_prev(links_of(m, LINKS_BOX), post);
         if (box->out == post) {
             box->out = MU_NONE;
         }
         list_remove(m, box, post);
-        list_prepend(m, box, post, mailbox_queue(m->posts[post].mail));
+        list_put(m, box, post, mailbox_queue(m->posts[post].mail), true);
         post = before;
     }
 }
@@ -333,7 +271,7 @@ uint32_t mailbox_mark_written(struct mailbox *m, uint32_t agent, uint32_t count)
         struct post *p = &m->posts[box->out];
         again += p->sent;
         p->sent = true;
-        box->out = p->links[LINKS_BOX].next;
+        box->out = mailbox_next(m, box->out);
         box->written++;
     }
     return again;
@@ -345,14 +283,14 @@ void mailbox_repeat(struct mailbox *m, uint32_t agent)
         return;
     }
     struct box *box = mailbox_box(m, agent);
-    box->out = box->lists[POST_FLIGHT].head;
+    box->out = mu_list_first(&box->lists[POST_FLIGHT].posts);
     box->written = 0;
 }
 
 uint64_t mailbox_last_number(const struct mailbox *m, uint32_t agent)
 {
     const struct box *box = &m->boxes[agent];
-    return box->begun ? box->acked + box->lists[POST_FLIGHT].count : m->base;
+    return box->begun ? box->acked + box->lists[POST_FLIGHT].posts.count : m->base;
 }
 
 bool mailbox_number_valid(const struct mailbox *m, uint32_t agent, uint64_t number)
@@ -363,7 +301,7 @@ bool mailbox_number_valid(const struct mailbox *m, uint32_t agent, uint64_t numb
 struct mail *mailbox_pop(struct mailbox *m, uint32_t agent)
 {
     struct box *box = mailbox_box(m, agent);
-    uint32_t post = box->lists[POST_FLIGHT].head;
+    uint32_t post = mu_list_first(&box->lists[POST_FLIGHT].posts);
     MU_ASSERT(post != MU_NONE);
     struct mail *mail = m->posts[post].mail;
     if (box->out == post) { /* acknowledged while it was to go out again */
@@ -379,46 +317,22 @@ struct mail *mailbox_pop(struct mailbox *m, uint32_t agent)
 
 /* --- watching --------------------------------------------------------------------------------- */
 
+uint32_t mailbox_watched(const struct mailbox *m)
+{
+    return mu_list_first(&m->watched);
+}
+
 void mailbox_unwatch(struct mailbox *m, uint32_t agent)
 {
-    if (!mailbox_is_begun(m, agent)) {
-        return;
-    }
-    struct box *box = mailbox_box(m, agent);
-    if (!box->watched) {
-        return;
-    }
-    box->watched = false;
-    if (box->watch_prev == MU_NONE) {
-        m->watch_head = box->watch_next;
-    } else {
-        m->boxes[box->watch_prev].watch_next = box->watch_next;
-    }
-    if (box->watch_next == MU_NONE) {
-        m->watch_tail = box->watch_prev;
-    } else {
-        m->boxes[box->watch_next].watch_prev = box->watch_prev;
-    }
+    (void)mu_list_remove(&m->watched, MU_LINKS(m->boxes, watch), agent);
 }
 
 void mailbox_watch(struct mailbox *m, uint32_t agent, uint64_t now_ns)
 {
-    if (!mailbox_is_begun(m, agent)) {
-        return;
-    }
-    struct box *box = mailbox_box(m, agent);
+    struct box *box = &m->boxes[agent];
     mailbox_unwatch(m, agent);
-    if (box->lists[POST_FLIGHT].count == 0) {
-        return;
+    if (box->lists[POST_FLIGHT].posts.count > 0) {
+        box->progress_ns = now_ns;
+        (void)mu_list_append(&m->watched, MU_LINKS(m->boxes, watch), agent);
     }
-    box->watched = true;
-    box->progress_ns = now_ns;
-    box->watch_next = MU_NONE;
-    box->watch_prev = m->watch_tail;
-    if (m->watch_tail == MU_NONE) {
-        m->watch_head = agent;
-    } else {
-        m->boxes[m->watch_tail].watch_next = agent;
-    }
-    m->watch_tail = agent;
 }

@@ -33,8 +33,8 @@ static struct asked ask_begin(struct mailbox *m, uint32_t agent, const struct ma
     };
     uint32_t pair = mailbox_share_find(&m->shares, agent, mail->payer);
     if (pair != MU_NONE) {
-        ask.own = m->shares.pool[pair].use;
-        ask.own_waiting = m->shares.pool[pair].waiting;
+        ask.own = m->shares.at[pair].use;
+        ask.own_waiting = m->shares.at[pair].waiting;
     }
     switch (limits.policy) {
     case muster_BOX_REFUSE_NEW: break;
@@ -49,7 +49,7 @@ static struct quota_use waiting_sum(const struct post_queue *waiting, uint32_t q
 {
     struct quota_use sum = {0};
     for (uint32_t i = 0; waiting && i < queues; i++) {
-        sum.mails += waiting[i].count;
+        sum.mails += waiting[i].posts.count;
         sum.bytes += waiting[i].bytes;
     }
     return sum;
@@ -79,7 +79,7 @@ static uint32_t victim_of(const struct mailbox *m, const struct post_queue *wait
 {
     uint32_t victim = MU_NONE;
     for (uint32_t i = 0; i < queues; i++) {
-        uint32_t head = waiting[i].head;
+        uint32_t head = mu_list_first(&waiting[i].posts);
         if (head == MU_NONE) {
             continue;
         }

@@ -10,8 +10,9 @@ void mailbox_share_init(struct mailbox_shares *p)
     while (slots < MU_POSTS_MAX) {
         slots *= 2;
     }
-    *p = (struct mailbox_shares){.free = MU_NONE, .mask = slots - 1};
-    p->pool = mu_startup_array(QUOTA_POSTS_MAX, sizeof *p->pool);
+    *p = (struct mailbox_shares){.mask = slots - 1};
+    p->at = mu_startup_array(QUOTA_POSTS_MAX, sizeof *p->at);
+    mu_pool_init(&p->pool, QUOTA_POSTS_MAX);
     p->heads = mu_startup_array(slots, sizeof *p->heads);
 }
 
@@ -25,7 +26,7 @@ uint32_t mailbox_share_find(const struct mailbox_shares *p, uint32_t box, uint32
 {
     uint32_t next = *head_of(p, box, sender);
     while (next != 0) {
-        const struct mailbox_share *pair = &p->pool[next - 1];
+        const struct mailbox_share *pair = &p->at[next - 1];
         if (pair->box == box && pair->sender == sender) {
             return next - 1;
         }
@@ -40,33 +41,22 @@ uint32_t mailbox_share_get(struct mailbox_shares *p, uint32_t box, uint32_t send
     if (pair != MU_NONE) {
         return pair;
     }
-    pair = p->free;
-    if (pair != MU_NONE) {
-        p->free = p->pool[pair].next;
-    } else {
-        MU_ASSERT(p->used < QUOTA_POSTS_MAX); /* each has a post */
-        pair = p->used++;
-    }
+    pair = mu_pool_take(&p->pool);
+    MU_ASSERT(pair != MU_NONE); /* each has a post */
     uint32_t *head = head_of(p, box, sender);
-    p->pool[pair] = (struct mailbox_share){.box = box, .sender = sender, .next = *head};
-    for (int i = 0; i < MAILBOX_SHARE_QUEUES; i++) {
-        p->pool[pair].waiting[i] = (struct post_queue){.head = MU_NONE, .tail = MU_NONE};
-    }
+    p->at[pair] = (struct mailbox_share){.box = box, .sender = sender, .next = *head};
     *head = pair + 1;
-    p->live++;
     return pair;
 }
 
 void mailbox_share_drop(struct mailbox_shares *p, uint32_t pair)
 {
-    struct mailbox_share *gone = &p->pool[pair];
+    struct mailbox_share *gone = &p->at[pair];
     MU_ASSERT(gone->use.mails == 0 && gone->use.bytes == 0);
     uint32_t *link = head_of(p, gone->box, gone->sender);
     while (*link != pair + 1) {
-        link = &p->pool[*link - 1].next;
+        link = &p->at[*link - 1].next;
     }
     *link = gone->next;
-    gone->next = p->free;
-    p->free = pair;
-    p->live--;
+    mu_pool_give(&p->pool, pair);
 }

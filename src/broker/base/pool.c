@@ -20,12 +20,9 @@ _Static_assert(sizeof(struct mail) + MU_NAME_MAX + MU_DST_MAX + 6 * MU_FIELD_MAX
 
 void pool_init(struct pool *s)
 {
-    *s = (struct pool){.slabs_free = MU_NONE};
-    s->memory = mu_startup_array(POOL_SLABS, POOL_SLAB_BYTES);
-    s->slabs = mu_startup_array(POOL_SLABS, sizeof *s->slabs);
-    for (int c = 0; c < POOL_CLASSES; c++) {
-        s->open[c] = MU_NONE;
-    }
+    *s = (struct pool){.memory = mu_startup_array(POOL_SLABS, POOL_SLAB_BYTES),
+                       .slabs = mu_startup_array(POOL_SLABS, sizeof *s->slabs)};
+    mu_pool_init(&s->slabs_pool, POOL_SLABS);
 }
 
 static bool slab_has_room(const struct pool_slab *slab)
@@ -33,46 +30,19 @@ static bool slab_has_room(const struct pool_slab *slab)
     return slab->free || (slab->carved + 1) * class_bytes[slab->size_class] <= POOL_SLAB_BYTES;
 }
 
-static void slab_link(struct pool *s, uint32_t index)
+static struct mu_list *open_slabs(struct pool *s, uint32_t index)
 {
-    struct pool_slab *slab = &s->slabs[index];
-    slab->prev = MU_NONE;
-    slab->next = s->open[slab->size_class];
-    if (slab->next != MU_NONE) {
-        s->slabs[slab->next].prev = index;
-    }
-    s->open[slab->size_class] = index;
-}
-
-static void slab_unlink(struct pool *s, uint32_t index)
-{
-    struct pool_slab *slab = &s->slabs[index];
-    if (slab->prev == MU_NONE) {
-        s->open[slab->size_class] = slab->next;
-    } else {
-        s->slabs[slab->prev].next = slab->next;
-    }
-    if (slab->next != MU_NONE) {
-        s->slabs[slab->next].prev = slab->prev;
-    }
+    return &s->open[s->slabs[index].size_class];
 }
 
 /* Finds a slab of the class with room, taking a fresh one if need be. */
 static uint32_t slab_open(struct pool *s, uint32_t size_class)
 {
-    if (s->open[size_class] != MU_NONE) {
-        return s->open[size_class];
+    uint32_t index = mu_list_first(&s->open[size_class]);
+    if (index == MU_NONE && (index = mu_pool_take(&s->slabs_pool)) != MU_NONE) {
+        s->slabs[index] = (struct pool_slab){.size_class = size_class};
+        (void)mu_list_prepend(&s->open[size_class], MU_LINKS(s->slabs, link), index);
     }
-    uint32_t index = s->slabs_free;
-    if (index != MU_NONE) {
-        s->slabs_free = s->slabs[index].next;
-    } else if (s->slabs_used < POOL_SLABS) {
-        index = s->slabs_used++;
-    } else {
-        return MU_NONE;
-    }
-    s->slabs[index] = (struct pool_slab){.size_class = size_class};
-    slab_link(s, index);
     return index;
 }
 
@@ -92,7 +62,7 @@ static void *record_take(struct pool *s, uint32_t size_class)
     }
     slab->live++;
     if (!slab_has_room(slab)) {
-        slab_unlink(s, index);
+        (void)mu_list_remove(open_slabs(s, index), MU_LINKS(s->slabs, link), index);
     }
     return record;
 }
@@ -101,18 +71,14 @@ static void record_give(struct pool *s, struct mail *m)
 {
     uint32_t index = (uint32_t)((size_t)((unsigned char *)m - s->memory) / POOL_SLAB_BYTES);
     struct pool_slab *slab = &s->slabs[index];
-    bool had_room = slab_has_room(slab);
     void *record = m;
     memcpy(record, &slab->free, sizeof slab->free);
     slab->free = record;
     slab->live--;
-    if (!had_room) {
-        slab_link(s, index);
-    }
+    (void)mu_list_prepend(open_slabs(s, index), MU_LINKS(s->slabs, link), index);
     if (slab->live == 0) {
-        slab_unlink(s, index);
-        slab->next = s->slabs_free;
-        s->slabs_free = index;
+        (void)mu_list_remove(open_slabs(s, index), MU_LINKS(s->slabs, link), index);
+        mu_pool_give(&s->slabs_pool, index);
     }
 }
 
@@ -160,7 +126,6 @@ struct mail *pool_put(struct pool *s, const muster_Mail *letter)
     *m = (struct mail){.letter = copy,
                        .place = {MU_NONE, MU_NONE},
                        .only = MU_NONE,
-                       .posts = MU_NONE,
                        .uses = 1,
                        .bytes = (uint32_t)bytes,
                        .size_class = size_class};

@@ -6,79 +6,50 @@
 
 void receipts_init(struct receipts *r, uint32_t agents)
 {
-    *r = (struct receipts){.free = MU_NONE};
-    r->pool = mu_startup_array(MU_MAILS_MAX, sizeof *r->pool);
-    r->queues = mu_startup_array(agents, sizeof *r->queues);
+    *r = (struct receipts){.at = mu_startup_array(MU_MAILS_MAX, sizeof *r->at),
+                           .queues = mu_startup_array(agents, sizeof *r->queues)};
+    mu_pool_init(&r->pool, MU_MAILS_MAX);
 }
 
-static struct receipt_queue *queue_of(struct receipts *r, uint32_t agent)
+uint32_t receipts_count(const struct receipts *r, uint32_t agent)
 {
-    struct receipt_queue *q = &r->queues[agent];
-    if (!q->begun) {
-        *q = (struct receipt_queue){.begun = true, .head = MU_NONE, .tail = MU_NONE};
-    }
-    return q;
+    return r->queues[agent].count;
 }
 
-const struct receipt_queue *receipts_of(struct receipts *r, uint32_t agent)
+const struct receipt *receipts_next(const struct receipts *r, uint32_t agent,
+                                    const struct receipt *after)
 {
-    return queue_of(r, agent);
-}
-
-static uint32_t receipt_take(struct receipts *r)
-{
-    uint32_t index = r->free;
-    if (index != MU_NONE) {
-        r->free = r->pool[index].next;
-    } else if (r->used < MU_MAILS_MAX) {
-        index = r->used++;
-    }
-    return index;
+    uint32_t next = after ? mu_list_next(MU_LINKS(r->at, link), (uint32_t)(after - r->at))
+                          : mu_list_first(&r->queues[agent]);
+    return next != MU_NONE ? &r->at[next] : NULL;
 }
 
 void receipts_add(struct receipts *r, uint32_t agent, uint64_t first_seq, uint64_t last_seq,
                   muster_Outcome result)
 {
-    struct receipt_queue *q = queue_of(r, agent);
-    if (q->tail != MU_NONE) {
-        struct receipt *last = &r->pool[q->tail];
-        if (last->result == result && last->last_seq + 1 == first_seq) {
-            last->last_seq = last_seq;
-            return;
-        }
+    struct mu_list *q = &r->queues[agent];
+    struct receipt *last = q->count > 0 ? &r->at[mu_list_last(q)] : NULL;
+    if (last && last->result == result && last->last_seq + 1 == first_seq) {
+        last->last_seq = last_seq;
+        return;
     }
     if (q->count == RECEIPTS_EACH_MAX) { /* the oldest: the newer ones say more */
         receipts_drop(r, agent, 1);
         r->lost++;
     }
-    uint32_t index = receipt_take(r);
+    uint32_t index = mu_pool_take(&r->pool);
     if (index == MU_NONE) {
         r->lost++;
         return;
     }
-    r->pool[index] = (struct receipt){
-        .first_seq = first_seq, .last_seq = last_seq, .result = result, .next = MU_NONE};
-    if (q->tail == MU_NONE) {
-        q->head = index;
-    } else {
-        r->pool[q->tail].next = index;
-    }
-    q->tail = index;
-    q->count++;
+    r->at[index] = (struct receipt){.first_seq = first_seq, .last_seq = last_seq, .result = result};
+    (void)mu_list_append(q, MU_LINKS(r->at, link), index);
 }
 
 void receipts_drop(struct receipts *r, uint32_t agent, uint32_t count)
 {
-    struct receipt_queue *q = queue_of(r, agent);
-    MU_ASSERT(count <= q->count);
-    q->count -= count;
+    MU_ASSERT(count <= receipts_count(r, agent));
     for (; count > 0; count--) {
-        uint32_t index = q->head;
-        q->head = r->pool[index].next;
-        r->pool[index].next = r->free;
-        r->free = index;
-    }
-    if (q->head == MU_NONE) {
-        q->tail = MU_NONE;
+        mu_pool_give(&r->pool, mu_list_take(&r->queues[agent], MU_LINKS(r->at, link)));
     }
 }

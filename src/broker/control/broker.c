@@ -353,7 +353,7 @@ void broker_up_sent(struct broker *b)
 
 static uint64_t resend_deadline_ns(const struct broker *b)
 {
-    uint32_t agent = b->mailbox.watch_head;
+    uint32_t agent = mailbox_watched(&b->mailbox);
     if (agent == MU_NONE) {
         return UINT64_MAX;
     }
@@ -365,7 +365,7 @@ static uint64_t resend_deadline_ns(const struct broker *b)
 static void resend_tick(struct broker *b)
 {
     while (resend_deadline_ns(b) <= b->clock.now_ns) {
-        uint32_t agent = b->mailbox.watch_head;
+        uint32_t agent = mailbox_watched(&b->mailbox);
         mailbox_repeat(&b->mailbox, agent);
         names_tell_number(b, agent); /* what said so may be what was lost */
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);

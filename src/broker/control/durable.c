@@ -35,9 +35,9 @@ static void mails_committed(struct broker *b)
 /* @return whether somebody may have it already: that is not to be undone */
 static bool mail_is_out(const struct broker *b, const struct mail *m)
 {
-    uint32_t post = m->posts;
+    uint32_t post = mu_list_first(&m->posts);
     while (post != MU_NONE && b->mailbox.posts[post].list != POST_FLIGHT) {
-        post = b->mailbox.posts[post].sibling_next;
+        post = mailbox_sibling(&b->mailbox, post);
     }
     return post != MU_NONE;
 }

@@ -82,17 +82,15 @@ static bool parcels_fill(struct broker *b, struct dispatch_part *part, struct di
 
 static uint32_t receipts_fill(struct broker *b, uint32_t agent, muster_Delivery *d)
 {
-    const struct receipt_queue *q = receipts_of(&b->receipts, agent);
+    const struct receipt *r = receipts_next(&b->receipts, agent, NULL);
     uint32_t count = 0;
-    for (uint32_t i = q->head; i != MU_NONE && d->receipts._length < DISPATCH_RECEIPTS;
-         i = b->receipts.pool[i].next) {
-        const struct receipt *r = &b->receipts.pool[i];
+    for (; r && d->receipts._length < DISPATCH_RECEIPTS; count++) {
         d->receipts._buffer[d->receipts._length++] =
             (muster_Receipt){.agent = b->registry.agents[agent].name,
                              .first_seq = r->first_seq,
                              .last_seq = r->last_seq,
                              .result = r->result};
-        count++;
+        r = receipts_next(&b->receipts, agent, r);
     }
     return count;
 }
@@ -254,7 +252,7 @@ static void parts_fill(struct broker *b, muster_Delivery *d)
         }
         part->passed_by = !parcels_fill(b, part, &room, d);
         part->receipts = receipts_fill(b, part->agent, d);
-        part->passed_by |= part->receipts < receipts_of(&b->receipts, part->agent)->count;
+        part->passed_by |= part->receipts < receipts_count(&b->receipts, part->agent);
         welcome_add(b, part, d);
     }
 }

@@ -23,12 +23,12 @@ static bool box_is_urgent(struct broker *b, uint32_t agent)
         return false;
     }
     const struct box *box = mailbox_box(&b->mailbox, agent);
-    uint32_t first = box->lists[POST_URGENT].head;
+    uint32_t first = mu_list_first(&box->lists[POST_URGENT].posts);
     if (box->out != MU_NONE || first == MU_NONE) {
         return box->out != MU_NONE;
     }
     bool may_go = !mail_is_written(b->mailbox.posts[first].mail) || journal_room(b, agent) > 0;
-    return may_go && box->lists[POST_FLIGHT].count < MU_WINDOW_MAX + MAILBOX_RESERVE &&
+    return may_go && box->lists[POST_FLIGHT].posts.count < MU_WINDOW_MAX + MAILBOX_RESERVE &&
            names_gate(b, agent) != GATE_SHUT;
 }
 
@@ -151,7 +151,7 @@ bool dispatch_next(struct broker *b, const char **process, muster_Delivery *d)
 static uint32_t part_from(struct broker *b, const struct dispatch_part *part)
 {
     const struct box *box = mailbox_box(&b->mailbox, part->agent);
-    uint32_t post = box->lists[POST_FLIGHT].tail;
+    uint32_t post = mu_list_last(&box->lists[POST_FLIGHT].posts);
     return post != MU_NONE ? b->registry.agents[b->mailbox.posts[post].mail->sender].process
                            : MU_NONE;
 }
@@ -168,7 +168,7 @@ static void part_delivered(struct broker *b, const struct dispatch_part *part)
     uint32_t again = mailbox_mark_written(&b->mailbox, part->agent, part->parcels);
     b->counters.resent += again;
     mailbox_take_back(&b->mailbox, part->agent);
-    bool watched = mailbox_box(&b->mailbox, part->agent)->watched;
+    bool watched = mu_list_has(MU_LINKS(b->mailbox.boxes, watch), part->agent);
     if (!b->dispatch.open_lockstep && part->parcels > 0 && (again > 0 || !watched)) {
         mailbox_watch(&b->mailbox, part->agent, b->clock.now_ns);
     }

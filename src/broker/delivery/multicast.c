@@ -92,8 +92,9 @@ static void boxes_find(struct broker *b, const struct mail *m)
 {
     struct multicast *c = &b->multicast;
     c->boxes_count = 0;
-    for (uint32_t post = m->posts; post != MU_NONE && c->boxes_count < MULTICAST_BOXES;
-         post = b->mailbox.posts[post].sibling_next) {
+    for (uint32_t post = mu_list_first(&m->posts);
+         post != MU_NONE && c->boxes_count < MULTICAST_BOXES;
+         post = mailbox_sibling(&b->mailbox, post)) {
         if (post_is_ready(b, post)) {
             uint32_t agent = b->mailbox.posts[post].agent;
             uint32_t place = b->registry.agents[agent].process;
@@ -200,7 +201,7 @@ uint32_t multicast_sent(struct broker *b)
         uint32_t agent = c->boxes[i].agent;
         uint32_t again = mailbox_mark_written(&b->mailbox, agent, c->letters_count);
         MU_ASSERT(again == 0);
-        if (!mailbox_box(&b->mailbox, agent)->watched) {
+        if (!mu_list_has(MU_LINKS(b->mailbox.boxes, watch), agent)) {
             mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
         }
         b->processes.at[c->boxes[i].place].serial = c->serials[i];

@@ -61,7 +61,7 @@ static bool line_is_spare(const struct lines *l, uint32_t line)
 /* @return the oldest spare line that is none of these; MU_NONE: there is none */
 static uint32_t spare_find(const struct lines *l, const uint64_t kept[SUBSCRIPTIONS_WORDS])
 {
-    uint32_t line = l->changes.first;
+    uint32_t line = mu_list_first(&l->changes.list);
     while (line != MU_NONE &&
            (!line_is_spare(l, line) || (kept && (kept[line / 64] >> (line % 64) & 1) != 0))) {
         line = changelog_next(&l->changes, line);
@@ -99,7 +99,7 @@ static bool key_is_spare(const struct lines *l, const char *key)
 static bool key_spare(struct lines *l)
 {
     char key[MU_NAME_MAX + 1];
-    uint32_t line = l->changes.first;
+    uint32_t line = mu_list_first(&l->changes.list);
     while (line != MU_NONE && !key_is_spare(l, mu_pairs_first(&l->pairs, line))) {
         line = changelog_next(&l->changes, line);
     }

@@ -96,7 +96,8 @@ static void agent_mark(struct broker *b, uint32_t agent)
 static void row_give(struct broker *b, struct mail *m)
 {
     struct journal *j = &b->journal;
-    for (uint32_t post = m->posts; post != MU_NONE; post = b->mailbox.posts[post].sibling_next) {
+    for (uint32_t post = mu_list_first(&m->posts); post != MU_NONE;
+         post = mailbox_sibling(&b->mailbox, post)) {
         journal_agent(b, b->mailbox.posts[post].agent); /* if others alone have told of it */
     }
     m->row = ++j->rows;
@@ -167,7 +168,7 @@ uint32_t journal_room(const struct broker *b, uint32_t agent)
         return UINT32_MAX;
     }
     uint32_t may_come_again = box->unsaved_commits == b->journal.commits ? box->unsaved : 0;
-    for (uint32_t post = box->lists[POST_FLIGHT].head; post != MU_NONE;
+    for (uint32_t post = mu_list_first(&box->lists[POST_FLIGHT].posts); post != MU_NONE;
          post = mailbox_next(&b->mailbox, post)) {
         may_come_again += mail_is_written(b->mailbox.posts[post].mail);
     }
@@ -277,7 +278,8 @@ static const char *waiting_of(struct broker *b, const struct mail *m)
 {
     struct mu_text t;
     mu_text_init(&t, b->journal.text, JOURNAL_WAITING_BYTES);
-    for (uint32_t post = m->posts; post != MU_NONE; post = b->mailbox.posts[post].sibling_next) {
+    for (uint32_t post = mu_list_first(&m->posts); post != MU_NONE;
+         post = mailbox_sibling(&b->mailbox, post)) {
         mu_text_add(&t, t.len ? "," : "");
         mu_text_add(&t, b->registry.agents[b->mailbox.posts[post].agent].name);
     }

@@ -623,28 +623,23 @@ enum resolve_state {
 /* A mail that waits. */
 struct resolve_wait {
     struct mail *mail;
-    struct mail *answer;       /* kept; NULL: none, or a failure */
-    uint32_t next;             /* of the same sender; also the free list */
-    uint32_t asked_next, prev; /* of those that wait for an answer, in the order of asking */
-    uint32_t resolver;         /* who is asked */
-    uint8_t state;             /* enum resolve_state */
+    struct mail *answer;  /* kept; NULL: none, or a failure */
+    struct mu_link link;  /* of the same sender */
+    struct mu_link asked; /* of those that wait for an answer, in the order of asking */
+    uint32_t resolver;    /* who is asked */
+    uint8_t state;        /* enum resolve_state */
     uint64_t ticket;
     uint64_t since_ns, until_ns; /* mail clock */
 };
 
-struct resolve_queue {
-    uint32_t first, last, count;
-};
-
 struct resolve {
     struct resolve_wait *waits; /* MU_RESOLVE_MAX for members of the lock step, and for others */
-    uint32_t used, free;        /* high-water mark; list of those given back */
+    struct mu_pool pool;
     uint32_t side_count[QUOTA_SIDES];
-    struct resolve_queue *queues; /* of each agent of the registry */
-    uint32_t asked_first, asked_last;
+    struct mu_list *queues; /* of each agent of the registry */
+    struct mu_list waits_asked;
     uint64_t soonest_ns;     /* no patience ends before this, mail clock */
     uint64_t tickets[2];     /* given for questions to others, to members of the lock step */
-    uint32_t waiting;        /* mails */
     uint64_t asked, refused; /* questions; answers that nobody had asked for, or not any more */
 };
 

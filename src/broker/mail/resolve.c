@@ -21,10 +21,11 @@ static const uint64_t OUTSIDE_TICKETS = 1ull << 62;
 
 void resolve_init(struct resolve *r, uint32_t agents)
 {
-    *r = (struct resolve){
-        .free = MU_NONE, .asked_first = MU_NONE, .asked_last = MU_NONE, .soonest_ns = UINT64_MAX};
-    r->waits = mu_startup_array(QUOTA_SIDES * MU_RESOLVE_MAX, sizeof *r->waits);
-    r->queues = mu_startup_array(agents, sizeof *r->queues);
+    uint32_t waits = QUOTA_SIDES * MU_RESOLVE_MAX;
+    *r = (struct resolve){.waits = mu_startup_array(waits, sizeof *r->waits),
+                          .queues = mu_startup_array(agents, sizeof *r->queues),
+                          .soonest_ns = UINT64_MAX};
+    mu_pool_init(&r->pool, waits);
 }
 
 /* --- whom to ask ------------------------------------------------------------------------------ */
@@ -32,7 +33,7 @@ void resolve_init(struct resolve *r, uint32_t agents)
 enum resolve_need resolve_needs(const struct broker *b, const struct mail *m)
 {
     const struct resolve *r = &b->resolve;
-    const struct resolve_queue *queue = &r->queues[m->sender];
+    const struct mu_list *queue = &r->queues[m->sender];
     if (m->only != MU_NONE) { /* the broker that it came from has asked */
         return RESOLVE_NOTHING;
     }
@@ -48,36 +49,6 @@ enum resolve_need resolve_needs(const struct broker *b, const struct mail *m)
 }
 
 /* --- waiting ---------------------------------------------------------------------------------- */
-
-static uint32_t wait_take(struct resolve *r, const struct mail *m)
-{
-    uint32_t index = r->free;
-    if (index != MU_NONE) {
-        r->free = r->waits[index].next;
-    } else {
-        index = r->used++;
-    }
-    MU_ASSERT(index < QUOTA_SIDES * MU_RESOLVE_MAX);
-    r->side_count[m->side]++;
-    r->waiting++;
-    return index;
-}
-
-static void asked_append(struct resolve *r, uint32_t index)
-{
-    struct resolve_wait *w = &r->waits[index];
-    w->asked_next = MU_NONE;
-    w->prev = r->asked_last;
-    *(w->prev == MU_NONE ? &r->asked_first : &r->waits[w->prev].asked_next) = index;
-    r->asked_last = index;
-}
-
-static void asked_remove(struct resolve *r, uint32_t index)
-{
-    const struct resolve_wait *w = &r->waits[index];
-    *(w->prev == MU_NONE ? &r->asked_first : &r->waits[w->prev].asked_next) = w->asked_next;
-    *(w->asked_next == MU_NONE ? &r->asked_last : &r->waits[w->asked_next].prev) = w->prev;
-}
 
 static uint64_t patience_ns(const struct broker *b)
 {
@@ -97,7 +68,7 @@ static void resolver_ask(struct broker *b, uint32_t index)
     w->until_ns = w->since_ns + patience_ns(b);
     r->soonest_ns = w->until_ns < r->soonest_ns ? w->until_ns : r->soonest_ns;
     r->asked++;
-    asked_append(r, index);
+    (void)mu_list_append(&r->waits_asked, MU_LINKS(r->waits, asked), index);
     answer_begin(b, &t, "resolve");
     mu_fields_add_string(&t, w->mail->letter.dst);
     mu_fields_add(&t, w->mail->letter.src);
@@ -108,17 +79,13 @@ static void resolver_ask(struct broker *b, uint32_t index)
 void resolve_wait(struct broker *b, struct mail *m)
 {
     struct resolve *r = &b->resolve;
-    struct resolve_queue *queue = &r->queues[m->sender];
-    uint32_t index = wait_take(r, m);
+    uint32_t index = mu_pool_take(&r->pool);
+    MU_ASSERT(index != MU_NONE);
+    r->side_count[m->side]++;
     struct resolve_wait *w = &r->waits[index];
-    *w = (struct resolve_wait){
-        .mail = m, .next = MU_NONE, .since_ns = clock_mail_ns(&b->clock), .resolver = MU_NONE};
-    if (queue->count++ > 0) {
-        r->waits[queue->last].next = index;
-    } else {
-        queue->first = index;
-    }
-    queue->last = index;
+    *w =
+        (struct resolve_wait){.mail = m, .since_ns = clock_mail_ns(&b->clock), .resolver = MU_NONE};
+    (void)mu_list_append(&r->queues[m->sender], MU_LINKS(r->waits, link), index);
     if (mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME) {
         w->resolver = view_resolver(b, m->letter.dst);
     }
@@ -130,18 +97,14 @@ void resolve_wait(struct broker *b, struct mail *m)
 struct mail *resolve_next_ready(struct broker *b, uint32_t sender, struct mail **answer)
 {
     struct resolve *r = &b->resolve;
-    struct resolve_queue *queue = &r->queues[sender];
-    if (queue->count == 0 || r->waits[queue->first].state == RESOLVE_ASKED) {
+    uint32_t index = mu_list_first(&r->queues[sender]);
+    if (index == MU_NONE || r->waits[index].state == RESOLVE_ASKED) {
         return NULL;
     }
-    uint32_t index = queue->first;
     struct resolve_wait w = r->waits[index];
-    queue->first = w.next;
-    queue->count--;
-    r->waits[index].next = r->free;
-    r->free = index;
+    (void)mu_list_take(&r->queues[sender], MU_LINKS(r->waits, link));
+    mu_pool_give(&r->pool, index);
     r->side_count[w.mail->side]--;
-    r->waiting--;
     ledger_settle(b, w.mail);
     uint64_t waited_ns = clock_mail_ns(&b->clock) - w.since_ns;
     if (w.mail->letter.ttl_ns > 0) { /* 0 would be for ever */
@@ -157,7 +120,7 @@ static uint32_t wait_answer(struct broker *b, uint32_t index, struct mail *answe
 {
     struct resolve *r = &b->resolve;
     struct resolve_wait *w = &r->waits[index];
-    asked_remove(r, index);
+    (void)mu_list_remove(&r->waits_asked, MU_LINKS(r->waits, asked), index);
     w->state = RESOLVE_ANSWERED;
     w->answer = answer;
     if (answer) {
@@ -182,9 +145,9 @@ static uint32_t wait_find(const struct resolve *r, const struct mail *m)
     if (digits[0] < '0' || digits[0] > '9' || *end != '\0') {
         return MU_NONE;
     }
-    uint32_t index = r->asked_first;
+    uint32_t index = mu_list_first(&r->waits_asked);
     while (index != MU_NONE && r->waits[index].ticket != ticket) {
-        index = r->waits[index].asked_next;
+        index = mu_list_next(MU_LINKS(r->waits, asked), index);
     }
     return index != MU_NONE && r->waits[index].resolver == m->sender ? index : MU_NONE;
 }
@@ -230,7 +193,8 @@ uint32_t resolve_overdue(struct broker *b, uint64_t mail_ns)
         return MU_NONE;
     }
     uint64_t soonest_ns = UINT64_MAX;
-    for (uint32_t i = r->asked_first; i != MU_NONE; i = r->waits[i].asked_next) {
+    for (uint32_t i = mu_list_first(&r->waits_asked); i != MU_NONE;
+         i = mu_list_next(MU_LINKS(r->waits, asked), i)) {
         if (r->waits[i].until_ns <= mail_ns) {
             return wait_answer(b, i, NULL);
         }
@@ -242,11 +206,11 @@ uint32_t resolve_overdue(struct broker *b, uint64_t mail_ns)
 
 uint64_t resolve_deadline_mail_ns(const struct broker *b)
 {
-    return b->resolve.asked_first != MU_NONE ? b->resolve.soonest_ns : UINT64_MAX;
+    return mu_list_first(&b->resolve.waits_asked) != MU_NONE ? b->resolve.soonest_ns : UINT64_MAX;
 }
 
 uint32_t resolve_give_up(struct broker *b)
 {
-    uint32_t first = b->resolve.asked_first;
+    uint32_t first = mu_list_first(&b->resolve.waits_asked);
     return first != MU_NONE ? wait_answer(b, first, NULL) : MU_NONE;
 }

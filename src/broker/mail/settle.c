@@ -38,8 +38,8 @@ void settle_admit_due(struct broker *b, uint64_t run_ns)
     struct mail *m;
     while (b->clock.runs && (m = timers_first(&b->due)) && m->at_ns[TIMERS_DUE] <= run_ns) {
         timers_remove(&b->due, m);
-        for (uint32_t post = m->posts; post != MU_NONE;
-             post = b->mailbox.posts[post].sibling_next) {
+        for (uint32_t post = mu_list_first(&m->posts); post != MU_NONE;
+             post = mailbox_sibling(&b->mailbox, post)) {
             mailbox_admit(&b->mailbox, post);
             residents_wake(&b->registry, &b->processes, b->mailbox.posts[post].agent);
         }
@@ -87,8 +87,8 @@ void settle_expire(struct broker *b, uint64_t mail_ns)
         timers_remove(&b->expiry, m);
         uint32_t next = MU_NONE;
         pool_keep(m);
-        for (uint32_t post = m->posts; post != MU_NONE; post = next) {
-            next = b->mailbox.posts[post].sibling_next;
+        for (uint32_t post = mu_list_first(&m->posts); post != MU_NONE; post = next) {
+            next = mailbox_sibling(&b->mailbox, post);
             if (b->mailbox.posts[post].list != POST_FLIGHT) {
                 mailbox_withdraw(&b->mailbox, post);
                 b->counters.expired++;
@@ -113,8 +113,8 @@ void settle_stored(struct broker *b, struct mail *m)
 void settle_undo(struct broker *b, struct mail *m)
 {
     uint32_t next = MU_NONE;
-    for (uint32_t post = m->posts; post != MU_NONE; post = next) {
-        next = b->mailbox.posts[post].sibling_next;
+    for (uint32_t post = mu_list_first(&m->posts); post != MU_NONE; post = next) {
+        next = mailbox_sibling(&b->mailbox, post);
         mailbox_withdraw(&b->mailbox, post);
         b->counters.waiting--;
         b->counters.no_store++;
@@ -167,7 +167,7 @@ void settle_tick(struct broker *b)
             await_until(&b->journal, b->clock.now_ns + (AWAIT_NS - absent_ns));
         } else if (a->awaited) {
             a->awaited = false;
-            receipts_drop(&b->receipts, i, receipts_of(&b->receipts, i)->count);
+            receipts_drop(&b->receipts, i, receipts_count(&b->receipts, i));
         }
     }
 }

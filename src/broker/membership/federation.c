@@ -99,7 +99,7 @@ static void receipts_forget(struct broker *b, uint32_t agent)
     struct agent *a = &b->registry.agents[agent];
     if (a->process == MU_NONE && a->awaited && !b->journal.awaits) {
         a->awaited = false;
-        receipts_drop(&b->receipts, agent, receipts_of(&b->receipts, agent)->count);
+        receipts_drop(&b->receipts, agent, receipts_count(&b->receipts, agent));
     }
 }
 

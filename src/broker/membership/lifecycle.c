@@ -217,7 +217,7 @@ void lifecycle_depart(struct broker *b, uint32_t agent)
     } else if (b->processes.at[place].lost && a->claim == MU_NONE) {
         settle_await(b, agent);
     } else {
-        receipts_drop(&b->receipts, agent, receipts_of(&b->receipts, agent)->count);
+        receipts_drop(&b->receipts, agent, receipts_count(&b->receipts, agent));
     }
     names_changed(b);
     notify_presence(b, agent);
@@ -332,7 +332,7 @@ static void route_choose(struct broker *b, uint32_t agent, bool echoes)
         return;
     }
     bool same = p && a->process != MU_NONE && strcmp(a->place, p->place) == 0;
-    bool is_fresh = a->process == MU_NONE && !b->federation.pausing[agent];
+    bool is_fresh = a->process == MU_NONE && !remote_pauses(&b->federation, agent);
     if (route && !echoes && !is_fresh && remote_may_be_echo(a, route, same)) {
         route = NULL;
     }
@@ -353,12 +353,7 @@ void lifecycle_review(struct broker *b, uint32_t agent)
 
 void lifecycle_tick_routes(struct broker *b)
 {
-    struct federation *l = &b->federation;
     while (remote_deadline_ns(b) <= b->clock.now_ns) {
-        uint32_t agent = l->pauses[l->pauses_head].agent;
-        l->pauses_head = (l->pauses_head + 1) % REGISTRY_MAX;
-        l->pauses_count--;
-        l->pausing[agent] = false;
-        route_choose(b, agent, true);
+        route_choose(b, remote_end_pause(&b->federation), true);
     }
 }

@@ -44,7 +44,7 @@ static void hold_boxes(struct broker *b)
     for (uint32_t agent = 0; agent < b->registry.count; agent++) {
         const struct box *box = &b->mailbox.boxes[agent];
         for (int list = POST_HELD; box->begun && list <= POST_FLIGHT; list++) {
-            for (uint32_t post = box->lists[list].head; post != MU_NONE;
+            for (uint32_t post = mu_list_first(&box->lists[list].posts); post != MU_NONE;
                  post = mailbox_next(&b->mailbox, post)) {
                 hold(b, agent);
                 hold_mail(b, b->mailbox.posts[post].mail);
@@ -79,17 +79,16 @@ static void hold_mails(struct broker *b)
 static void hold_resolving(struct broker *b)
 {
     const struct resolve *r = &b->resolve;
-    for (uint32_t agent = 0; agent < b->registry.count && r->waiting > 0; agent++) {
-        uint32_t at = r->queues[agent].first;
-        for (uint32_t i = 0; i < r->queues[agent].count; i++) {
-            const struct resolve_wait *w = &r->waits[at];
+    for (uint32_t agent = 0; agent < b->registry.count && r->pool.live > 0; agent++) {
+        for (uint32_t i = mu_list_first(&r->queues[agent]); i != MU_NONE;
+             i = mu_list_next(MU_LINKS(r->waits, link), i)) {
+            const struct resolve_wait *w = &r->waits[i];
             hold(b, agent);
             hold(b, w->resolver);
             hold_mail(b, w->mail);
             if (w->answer) {
                 hold_mail(b, w->answer);
             }
-            at = w->next;
         }
     }
 }
@@ -129,7 +128,7 @@ static void hold_probes(struct broker *b)
 static void hold_groups(struct broker *b)
 {
     const struct lines *g = &b->pages.groups;
-    for (uint32_t line = g->changes.first; line != MU_NONE;
+    for (uint32_t line = mu_list_first(&g->changes.list); line != MU_NONE;
          line = changelog_next(&g->changes, line)) {
         if (g->at[line].holds || g->at[line].holds_inside) {
             hold(b, registry_find(&b->registry, mu_pairs_second(&g->pairs, line)));
@@ -140,14 +139,10 @@ static void hold_groups(struct broker *b)
 static void hold_alerts(struct broker *b)
 {
     const struct alerts *e = &b->alerts;
-    for (uint32_t i = 0; i < e->count; i++) {
-        const struct alert *alert = &e->all[e->ring[(e->head + i) % e->size]];
-        hold(b, alert->agent);
-        hold(b, alert->sender);
-    }
-    const struct limiter *p = &b->limiter;
-    for (uint32_t i = 0; i < p->count; i++) {
-        hold(b, p->ring[(p->head + i) % p->size]);
+    for (uint32_t i = mu_list_first(&e->queue); i != MU_NONE;
+         i = mu_list_next(MU_LINKS(e->all, link), i)) {
+        hold(b, e->all[i].agent);
+        hold(b, e->all[i].sender);
     }
 }
 
@@ -165,7 +160,7 @@ static bool has_account(const struct broker *b, uint32_t agent)
 static bool is_held_beyond(const struct broker *b, uint32_t agent)
 {
     const struct federation *l = &b->federation;
-    bool held = l->pausing[agent];
+    bool held = remote_pauses(l, agent);
     for (uint32_t i = 0; i < l->peers_count && !held; i++) {
         held = l->peers[i].routes[agent].present || l->peers[i].ack_due[agent];
     }
@@ -178,7 +173,8 @@ static bool is_absent(const struct broker *b, uint32_t agent)
     uint64_t wall_ns = clock_wall_ns(b);
     bool is_nobody = a->name[0] != '\0' && a->process == MU_NONE && a->claim == MU_NONE;
     bool is_idle = !a->unsaved && !a->resident.links[RESIDENT_READY].queued &&
-                   !a->resident.links[RESIDENT_STIRRED].queued;
+                   !a->resident.links[RESIDENT_STIRRED].queued &&
+                   !mu_list_has(MU_LINKS(b->limiter.agents, link), agent);
     return is_nobody && is_idle && !names_is_held(b, agent) && wall_ns > a->since_wall_ns &&
            wall_ns - a->since_wall_ns >= b->retirement.expiry_ns;
 }
@@ -199,7 +195,7 @@ static void hold_all(struct broker *b)
 
 static void agent_end(struct broker *b, uint32_t agent)
 {
-    receipts_drop(&b->receipts, agent, receipts_of(&b->receipts, agent)->count);
+    receipts_drop(&b->receipts, agent, receipts_count(&b->receipts, agent));
     mailbox_end(&b->mailbox, agent);
     b->limiter.agents[agent] = (struct paced){.until_ns = 0};
     for (uint32_t i = 0; i < b->federation.peers_count; i++) {

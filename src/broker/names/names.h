@@ -540,10 +540,10 @@ struct peer {
     uint32_t acks_count;
 };
 
-/* An agent without a way, until it may have one that can be an echo. */
+/* An agent without a route waits until it may have one that can be an echo. */
 struct pause {
-    uint32_t agent;
     uint64_t until_ns;
+    struct mu_link link;
 };
 
 struct federation_counts {
@@ -555,9 +555,8 @@ struct federation {
     struct peer peers[MU_BROKERS_MAX];
     uint32_t peers_count;
     uint32_t peers_there;
-    struct pause *pauses; /* a ring: one for each agent at most */
-    uint32_t pauses_head, pauses_count;
-    bool *pausing;                                  /* for each agent */
+    struct pause *pauses; /* one for each agent */
+    struct mu_list pausing;
     char holders[MU_BROKERS_MAX][MU_FIELD_MAX + 1]; /* reasons of refusals */
     uint32_t holders_count;
     /* announce.c */
@@ -609,6 +608,12 @@ bool remote_may_be_echo(const struct agent *a, const struct route *route, bool s
 void remote_forget_numbers(struct broker *b, struct peer *p);
 
 void remote_hold_down(struct broker *b, uint32_t agent);
+
+/** Ends the pause that remote_deadline_ns is of.  @return the agent */
+uint32_t remote_end_pause(struct federation *l);
+
+/** @return whether an agent has to wait for a route that can be an echo */
+bool remote_pauses(const struct federation *l, uint32_t agent);
 
 /** Who is silent makes room. */
 struct peer *remote_add_peer(struct broker *b, const char *name);

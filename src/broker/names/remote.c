@@ -35,7 +35,6 @@ void remote_init(struct federation *l)
                                     .at_slot = at_slot + i * REGISTRY_MAX};
     }
     l->pauses = mu_startup_array(REGISTRY_MAX, sizeof *l->pauses);
-    l->pausing = mu_startup_array(REGISTRY_MAX, sizeof *l->pausing);
     l->acks_open = mu_startup_array(FEDERATION_ACKS, sizeof *l->acks_open);
 }
 
@@ -127,17 +126,25 @@ bool remote_may_be_echo(const struct agent *a, const struct route *route, bool s
 void remote_hold_down(struct broker *b, uint32_t agent)
 {
     struct federation *l = &b->federation;
-    if (!l->pausing[agent]) {
-        uint32_t at = (l->pauses_head + l->pauses_count++) % REGISTRY_MAX;
-        l->pausing[agent] = true;
-        l->pauses[at] = (struct pause){.agent = agent, .until_ns = b->clock.now_ns + PAUSE_NS};
+    if (mu_list_append(&l->pausing, MU_LINKS(l->pauses, link), agent)) {
+        l->pauses[agent].until_ns = b->clock.now_ns + PAUSE_NS;
     }
+}
+
+bool remote_pauses(const struct federation *l, uint32_t agent)
+{
+    return mu_list_has(MU_LINKS(l->pauses, link), agent);
+}
+
+uint32_t remote_end_pause(struct federation *l)
+{
+    return mu_list_take(&l->pausing, MU_LINKS(l->pauses, link));
 }
 
 uint64_t remote_deadline_ns(const struct broker *b)
 {
     const struct federation *l = &b->federation;
-    return l->pauses_count > 0 ? l->pauses[l->pauses_head].until_ns : UINT64_MAX;
+    return l->pausing.count > 0 ? l->pauses[mu_list_first(&l->pausing)].until_ns : UINT64_MAX;
 }
 
 /* --- numbers ------------------------------------------------------------------------------------

@@ -68,7 +68,7 @@ static const struct metric counters[] = {
     {PART_MAIL, "no-store", "of them, refused for want of a disk that can be written to",
      AT(counters.no_store)},
     {PART_MAIL, "resolving", "mails that wait for an address to be resolved, now",
-     AT(resolve.waiting)},
+     AT(resolve.pool.live)},
     {PART_MAIL, "resolve-asked", "addresses that a resolver was asked about", AT(resolve.asked)},
     {PART_MAIL, "resolve-refused", "answers of resolvers that were not asked, or too late",
      AT(resolve.refused)},

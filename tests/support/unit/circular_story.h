@@ -90,7 +90,7 @@ static inline void all_is_over(void)
     CU_ASSERT_EQUAL(story_status().waiting, 0);
     CU_ASSERT_EQUAL(story_status().stored, 0);
     CU_ASSERT_EQUAL(story.b->multicast.count, 0);
-    CU_ASSERT_EQUAL(story.b->mailbox.posts_live, 0);
+    CU_ASSERT_EQUAL(story.b->mailbox.posts_pool.live, 0);
     CU_ASSERT_EQUAL(story.gaps, 0);
 }
 

@@ -122,7 +122,7 @@ static void test_what_a_neighbour_did_not_hear(void)
     net_tick(1000 * MS);
     HEARD("blue", "two; three");
     CU_ASSERT_EQUAL(net.repeats, 0);
-    CU_ASSERT_EQUAL(net.b[A]->mailbox.posts_live, 0);
+    CU_ASSERT_EQUAL(net.b[A]->mailbox.posts_pool.live, 0);
     CU_ASSERT_TRUE(net.b[B]->counters.gaps > 0);
 }
 

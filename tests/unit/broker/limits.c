@@ -131,13 +131,13 @@ static void test_limit_bytes_come_back(void)
             do {
                 collect();
                 const struct box *box = mailbox_box(&story.b->mailbox, agent);
-                ack.number = box->acked + box->lists[POST_FLIGHT].count;
+                ack.number = box->acked + box->lists[POST_FLIGHT].posts.count;
                 story_hear(&up);
             } while (mailbox_box(&story.b->mailbox, agent)->use.mails > 0);
         }
         CU_ASSERT_EQUAL(story.b->pool.mails, 0);
-        CU_ASSERT_EQUAL(story.b->mailbox.posts_live, 0);
-        CU_ASSERT_EQUAL(story.b->mailbox.shares.live, 0);
+        CU_ASSERT_EQUAL(story.b->mailbox.posts_pool.live, 0);
+        CU_ASSERT_EQUAL(story.b->mailbox.shares.pool.live, 0);
         CU_ASSERT_EQUAL(story.b->quotas.all[QUOTA_OUTSIDE].bytes, 0);
     }
     uint64_t most = (MU_MAIL_BYTES_MAX - MU_MAIL_BYTES_MAX / 64) / POOL_RECORD_MAX;
@@ -187,17 +187,16 @@ static void test_limit_receipts_of_one_sender(void)
     for (uint64_t i = 1; i <= RECEIPTS_EACH_MAX + 5; i++) {
         receipts_add(r, 1, 2 * i, 2 * i, muster_OUTCOME_DUPLICATE);
     }
-    const struct receipt_queue *q = receipts_of(r, 1);
-    CU_ASSERT_EQUAL(q->count, RECEIPTS_EACH_MAX);
-    CU_ASSERT_EQUAL(r->pool[q->head].first_seq, 12); /* the five oldest are gone */
+    CU_ASSERT_EQUAL(receipts_count(r, 1), RECEIPTS_EACH_MAX);
+    CU_ASSERT_EQUAL(receipts_next(r, 1, NULL)->first_seq, 12); /* the five oldest are gone */
     CU_ASSERT_EQUAL(r->lost, 5);
-    CU_ASSERT_EQUAL(receipts_of(r, 0)->count, 0);
-    receipts_drop(r, 1, q->count);
+    CU_ASSERT_EQUAL(receipts_count(r, 0), 0);
+    receipts_drop(r, 1, receipts_count(r, 1));
     receipts_add(r, 1, 7, 7, muster_OUTCOME_STORED);
     receipts_add(r, 1, 8, 8, muster_OUTCOME_STORED);
     receipts_add(r, 1, 9, 9, muster_OUTCOME_DELIVERED);
-    CU_ASSERT_EQUAL(q->count, 2);
-    CU_ASSERT_EQUAL(r->pool[q->head].last_seq, 8);
+    CU_ASSERT_EQUAL(receipts_count(r, 1), 2);
+    CU_ASSERT_EQUAL(receipts_next(r, 1, NULL)->last_seq, 8);
 }
 
 static void test_limit_receipts(void)
@@ -214,10 +213,10 @@ static void test_limit_receipts(void)
     CU_ASSERT_EQUAL(r->lost, 0);
     receipts_add(r, AGENTS, 1, 1, muster_OUTCOME_STORED);
     CU_ASSERT_EQUAL(r->lost, 1);
-    CU_ASSERT_EQUAL(receipts_of(r, AGENTS)->count, 0);
+    CU_ASSERT_EQUAL(receipts_count(r, AGENTS), 0);
     receipts_drop(r, 0, 1);
     receipts_add(r, AGENTS, 2, 2, muster_OUTCOME_STORED);
-    CU_ASSERT_EQUAL(receipts_of(r, AGENTS)->count, 1);
+    CU_ASSERT_EQUAL(receipts_count(r, AGENTS), 1);
 }
 
 static void test_limit_bytes_of_one_delivery(void)

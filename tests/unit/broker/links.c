@@ -244,7 +244,7 @@ static void grow_quiet(void)
         }
     }
     for (int i = 0; i < NET_BROKERS; i++) {
-        if (net.b[i]->mailbox.posts_live > 0 || net.b[i]->multicast.count > 0) {
+        if (net.b[i]->mailbox.posts_pool.live > 0 || net.b[i]->multicast.count > 0) {
             fail("is the last, and some mail stays", letters_count - 1);
         }
     }

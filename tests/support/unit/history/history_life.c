@@ -106,7 +106,7 @@ static void check_boxes(struct broker *b)
         }
         const struct box *box = mailbox_box(&b->mailbox, agent);
         history.life.acked[name] = box->acked;
-        HOLD(box->lists[POST_FLIGHT].count <= MU_WINDOW_MAX + MAILBOX_RESERVE);
+        HOLD(box->lists[POST_FLIGHT].posts.count <= MU_WINDOW_MAX + MAILBOX_RESERVE);
         HOLD(box->use.mails <= MU_BOX_MAX + MAILBOX_RESERVE);
         if (history.box_mails && history.life.number == 1) { /* later, there was more before */
             uint32_t own = history.asked_most[name];
@@ -115,7 +115,7 @@ static void check_boxes(struct broker *b)
         }
         uint32_t posts = 0;
         for (int list = 0; list <= POST_FLIGHT; list++) {
-            posts += box->lists[list].count;
+            posts += box->lists[list].posts.count;
         }
         HOLD(posts == box->use.mails);
     }
@@ -140,19 +140,10 @@ void life_check(void)
     muster_BrokerStatus s = life_status();
     HOLD(s.sent == s.delivered + s.waiting + s.expired + s.box_full + s.over_share +
                        s.unknown_name + s.refused + s.dropped + s.no_store);
-    HOLD(s.waiting == history.life.b->mailbox.posts_live);
+    HOLD(s.waiting == history.life.b->mailbox.posts_pool.live);
     HOLD(s.stored <= s.waiting + (history.life.b->journal.first ? MAILS : 0));
     check_boxes(history.life.b);
     check_mails(history.life.b);
-}
-
-static uint32_t receipts_kept(const struct receipts *r)
-{
-    uint32_t kept = r->used;
-    for (uint32_t i = r->free; i != MU_NONE; i = r->pool[i].next) {
-        kept--;
-    }
-    return kept;
 }
 
 void life_check_empty(void)
@@ -160,14 +151,14 @@ void life_check_empty(void)
     struct broker *b = history.life.b;
     HOLD(b->counters.waiting == 0);
     HOLD(b->pool.mails == 0);
-    HOLD(b->mailbox.posts_live == 0);
-    HOLD(b->mailbox.shares.live == 0);
-    HOLD(receipts_kept(&b->receipts) == 0);
+    HOLD(b->mailbox.posts_pool.live == 0);
+    HOLD(b->mailbox.shares.pool.live == 0);
+    HOLD(b->receipts.pool.live == 0);
     HOLD(b->due.count == 0 && b->expiry.count == 0);
     HOLD(b->arrivals.oldest == NULL);
     HOLD(b->claims.count == 0);
     HOLD(b->multicast.count == 0);
-    HOLD(b->mailbox.watch_head == MU_NONE);
+    HOLD(b->mailbox.watched.count == 0);
     for (int side = 0; side < QUOTA_SIDES; side++) {
         HOLD(b->quotas.all[side].mails == 0 && b->quotas.all[side].bytes == 0 &&
              b->quotas.all[side].posts == 0);
