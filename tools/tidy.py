@@ -6,7 +6,7 @@ Floors are checked by calls, in the objects of a built tree: build/release, or b
 
     tools/tidy.py                         all checks
     tools/tidy.py --floors [MODULE]       what modules that are not in order yet have left
-    tools/tidy.py --graph [MODULE] [--dot]   who calls whom: folders, or files of a module; for Graphviz
+    tools/tidy.py --graph [MODULE] [--dot]   which calls which: folders, or files of a module; for Graphviz
     tools/tidy.py --words [MODULE]        words of yesterday (docs/concepts.md) that are left
     tools/tidy.py --pointers              pointers through which a lower floor calls a higher one
 """
@@ -23,7 +23,7 @@ import words
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 FUNCTION_LINES_MAX, FILE_LINES_MAX, LINE_CHARS_MAX, PARAMETERS_MAX = 70, 800, 100, 6
 
-# Who may include whom.  Programs never see each other: they meet in idl/wire.idl alone.
+# The modules that each may include.  Programs never see each other: they meet in idl/wire.idl alone.
 MAY_INCLUDE = {
     "core": set(),
     "world": {"core"},
@@ -180,6 +180,9 @@ def check_all():
         bad(path, 1, why, module)
     for path, n, word, term in words.hits(ROOT, words.CURED):
         bad(path, n, f"{word}: say {term} (docs/concepts.md)")
+    said = words.persons(ROOT)
+    for path, n, text in said if len(said) > words.PERSONS_MAX else []:
+        bad(path, n, f"one of {len(said)} comments with who, nobody or he (at most {words.PERSONS_MAX}): {text}")
     check_calls()
 
 
@@ -199,6 +202,8 @@ def main():
         for path, n, word, term in found:
             print(f"{path.relative_to(ROOT)}:{n}: {word} -> {term}")
         print(f"{len(found)} words in {len({path for path, *_ in found})} files")
+        for path, n, text in words.persons(ROOT):
+            print(f"{path.relative_to(ROOT)}:{n}: {text}")
         return False
     if asked.graph:
         calls = graph.Graph(ROOT, BUILD)

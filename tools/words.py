@@ -10,6 +10,10 @@ import re
 CURED = {"agent", "host", "mind", "monitor", "planner", "runtime", "sim", "world"}
 TEXT = re.compile(r'"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'')
 COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.S)
+PERSON = re.compile(r"\b(?:[Ww]ho(?:m|ever)?|[Ss]ome(?:body|one)|[Nn]obody|[Hh](?:e|im|is))\b")
+# Places in all comments that may speak so; people are meant, or a text is quoted.
+PERSONS_MAX = 20
+PERSONS_LATER = "src/broker/"  # not written anew yet
 NAME = re.compile(r"(?:(?:->|\.)\s*)?[A-Za-z_]\w*")
 
 
@@ -74,3 +78,22 @@ def file_hits(path, rows, names, wire):
             said = stay.sub("", said) if stay else said
             if pattern.search("" if line.lstrip().startswith("#include") else own) or (in_comments and pattern.search(said)):
                 yield path, n, word, term
+
+
+def comments(path):
+    """@yield (line, text) of the comments and docstrings of a file"""
+    text = path.read_text()
+    mark = r'""".*?"""|#[^\n]*' if path.suffix in (".py", "") else COMMENT.pattern
+    for found in re.finditer(rf"({mark})|{TEXT.pattern}", text, re.S):
+        if found[1]:
+            first = text.count("\n", 0, found.start()) + 1
+            yield from enumerate(found[1].splitlines(), first)
+
+
+def persons(root):
+    """@return (path, line, text) of comments in which a process, an agent or a file is called who, nobody or he"""
+    kinds = (".c", ".h", ".js", ".css", ".idl", ".py", "")
+    paths = [path for top in ("src", "include", "idl", "tools") for path in sorted((root / top).rglob("*"))
+             if path.is_file() and path.suffix in kinds and "__pycache__" not in path.parts]
+    return [(path, n, text.strip()) for path in paths if not str(path.relative_to(root)).startswith(PERSONS_LATER)
+            for n, text in comments(path) if PERSON.search(text)]

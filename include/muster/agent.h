@@ -79,7 +79,7 @@ enum mu_layer { MU_LAYER_SYSTEM = 1, MU_LAYER_QUERY, MU_LAYER_SPEECH };
 struct mu_mail {
     const char *src; /* set by the runtime */
     const char *dst; /* a name, names joined by commas; all, robots, special; group:G, or another
-                        address that somebody resolves: role:R, task:T, near:2.5 */
+                        address that a resolver knows: role:R, task:T, near:2.5 */
     uint64_t seq;    /* set by the runtime: counts the sender's mails from 1 */
     uint64_t number; /* of an arrived mail: its place in this agent's box */
     bool directive;  /* enters no layer: the broker's trust policy lets it through or not, and
@@ -165,7 +165,7 @@ struct mu_process_options {
                               Meanwhile the process receives nothing, and perhaps does not say that
                               it lives: after a second the broker may take its agents for lost until
                               the handler has returned.  It opens no process and no watch.  Not
-                              together with the two above; without effect while somebody is called
+                              together with the two above; without effect while a function is called
                               after each round (mu_process_each_round) */
     uint32_t agents;       /* capacity; 0: MU_LOCAL_AGENTS; MU_LOCAL_AGENTS_MAX at most */
     uint32_t outbox;       /* mails of an agent that may wait for an answer; 0: MU_OUTBOX_MAX;
@@ -224,7 +224,7 @@ void mu_process_each_round(mu_process *p, void (*round)(void *self), void *self)
 /** @return whether the simulator's steps wait for this process */
 bool mu_process_in_lockstep(const mu_process *p);
 
-/** Spins until a broker has answered: to the first agent, as nobody is asked before.  @return
+/** Spins until a broker has answered: to the first agent, as none is asked before.  @return
  * MU_OK, MU_TIMEOUT after patience_ns, or what mu_process_spin says else */
 MU_MUST_USE mu_result mu_process_await_broker(mu_process *p, uint64_t patience_ns);
 
@@ -338,7 +338,7 @@ void mu_agent_fired_also(mu_agent *a, uint32_t firings, const char *rules);
 void mu_agent_note(mu_agent *a, const char *text);
 
 /**
- * Sets the agent's goal, for people who look on; it is not in the run's hash.
+ * Sets the agent's goal, for people at a console or page; it is not in the run's hash.
  *
  * @param goal  in words, copied: "gohome 3000.0 0.0"; cut at MU_FIELD_MAX bytes
  */

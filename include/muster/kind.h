@@ -83,7 +83,8 @@ MU_MUST_USE mu_result mu_agent_arrive(mu_process *p, mu_agent **out, const char 
 /**
  * In a handler of a kind: asks its parent.
  *
- * @return the parent's result; MU_PASS also when nobody took it, and outside of a kind's handler
+ * @return the parent's result; MU_PASS also when no handler took it, and outside of a kind's
+ * handler
  */
 enum mu_take mu_agent_take_parent(mu_agent *a, const struct mu_mail *mail);
 

@@ -3,7 +3,7 @@
  * @file monitor.h
  * Looking at a run: its Scene once, and then Frames, each a step as a whole.
  *
- * A watch only reads.  Nobody waits for it: with it and without it a run has the same hash.  A
+ * A watch only reads.  No process waits for it: with it and without it a run has the same hash.  A
  * program that is slower than the run misses steps, and is told how many.  An agent that asks
  * robots by mail may live in the same process (mu_agent_join); its mails are in the hash.  If that
  * process watches (mu_process_options), and the agent is of MU_KIND_SPECIAL, a lock step waits for

@@ -39,7 +39,7 @@ MU_MUST_USE mu_result mu_agent_resolve(mu_agent *a, const char *scheme, mu_resol
                                        void *self);
 
 /**
- * Adds a name; one that nobody bears is skipped, one that is added again counts once.
+ * Adds a name; one that no agent has is skipped, one that is added again counts once.
  *
  * @return MU_OK; MU_MALFORMED: not a name; MU_FULL: it is left out, because an answer is one mail,
  *         with room for 512 of the longest names

@@ -46,7 +46,7 @@ struct mu_stats_team {
     double time_s, wall_s;
     double explored;            /* share of the floor that any robot's centre crossed; < 0: no
                                    Scene, or a world that is empty or too large */
-    const char *most_efficient; /* by efficiency_m_s; NULL: nobody moved */
+    const char *most_efficient; /* by efficiency_m_s; NULL: no robot moved */
     double efficiency_m_s;      /* of that one */
     double distance_m;          /* these are sums */
     uint64_t stalls;

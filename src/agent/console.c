@@ -95,7 +95,7 @@ void console_end(struct robot *r)
     console_flush(r); /* drops the lines */
 }
 
-/* At hundreds of steps a second, a mail for each step would come faster than anybody reads. */
+/* At hundreds of steps a second, a mail for each step would come faster than a person reads. */
 void console_offer(struct robot *r)
 {
     bool reads = r->group->trace.len >= ROBOT_ANSWER_MAX;

@@ -227,7 +227,7 @@ static void mind_timer(int number)
     int code = mind_look(MIND_LOOK_MS, &why);
     if (code != MIND_WAITS) {
         ssize_t written = write(STDERR_FILENO, why.at, why.len);
-        (void)written; /* nobody to tell */
+        (void)written; /* no agent to tell */
         _exit(code);
     }
 }

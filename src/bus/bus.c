@@ -25,7 +25,7 @@ static mu_result dds_fault(const char *what, dds_return_t code)
     return MU_FAULT_DDS;
 }
 
-/* A taken index makes Cyclone print an error; we go on to the next one, so nobody should read it.
+/* A taken index makes Cyclone print an error; the next one is tried, so the line stays unprinted.
  */
 static void log_nothing(void *arg, const dds_log_data_t *data)
 {
@@ -83,15 +83,15 @@ static bool is_elsewhere(const char *text)
 }
 
 /* A domain that fails for its index costs a hundred times as much as this: where many processes
- * start, most indices are taken.  @return whether somebody has that index; false may be wrong */
+ * start, most indices are taken.  @return whether a process has that index; false may be wrong */
 static bool is_taken(const struct bus_options *options, int index)
 {
     const char *interface = options->interface ? options->interface : "127.0.0.1";
     return bind_try(interface, bus_port(options->domain, index)) == EADDRINUSE;
 }
 
-/* Those who share their indices begin to look at different ones: of a hundred that start together,
- * the last one would try a hundred, and two would often want the same.
+/* Processes that share their indices begin to look at different ones: of a hundred that start
+ * together, the last one would try a hundred, and two would often want the same.
  * @return as config_index */
 static int index_try(enum bus_place place, int n)
 {
@@ -150,7 +150,7 @@ static bool is_host(const char *text)
     return !text || (!strchr(text, ',') && config_hosts_valid(text));
 }
 
-/* A peer without an address would be nobody's peer, without a word. */
+/* A peer without an address would be no process's peer, without a word. */
 static mu_result peers_find(const char *hosts)
 {
     size_t len;
@@ -341,7 +341,7 @@ mu_result bus_writer_open(struct bus *bus, enum bus_topic topic, const char *fir
     dds_delete_qos(qos);
     if (writer->writer < 0) {
         dds_return_t why = writer->writer;
-        bus_writer_close(writer); /* who opens one tries again, each round if need be */
+        bus_writer_close(writer); /* the caller tries again, each round if need be */
         return dds_fault("writer", why);
     }
     return MU_OK;
@@ -372,8 +372,8 @@ void bus_dispose(const struct bus_writer *writer, const void *sample)
     }
 }
 
-/* The other sides of one endpoint that are looked at: all processes that a domain can have, and who
- * watches them. */
+/* The other sides of one endpoint that are looked at: all processes that a domain can have, and
+ * their watchers. */
 enum { ENDPOINTS_MAX = 1024 };
 
 /* @return whether one of the partitions that an endpoint names is this one */
@@ -499,7 +499,7 @@ void bus_reader_close(struct bus_reader *r)
     }
     dds_delete(dds_get_parent(r->reader)); /* its subscriber, and it: nothing arrives any more */
     r->reader = 0;
-    bus_arrivals_taken(r, r->arrived); /* nobody will look at what lies there */
+    bus_arrivals_taken(r, r->arrived); /* the samples that lie there are not looked at */
     samples_empty(r);
     r->count = r->next = 0;
 }

@@ -5,8 +5,8 @@
  *
  * Only src/bus sees the DDS headers.  Samples are the C types of idl/wire.idl.  One thread at a
  * time; no call waits but those that take a time: bus_wait and its like, and bus_drain.  The only
- * listeners count arrivals: nothing is read or written from them, unless who waits lends its turn
- * (bus_wait_lending).
+ * listeners count arrivals: nothing is read or written from them, unless a waiting thread lends its
+ * turn (bus_wait_lending).
  */
 #ifndef MUSTER_BUS_BUS_H
 #define MUSTER_BUS_BUS_H
@@ -76,14 +76,14 @@ struct bus {
     pthread_cond_t arrival;
     uint64_t arrived;         /* samples, ever */
     uint64_t taken;           /* of them, no longer in a reader */
-    uint64_t wanted;          /* bus_wait wakes when so many are there; 0: nobody waits */
+    uint64_t wanted;          /* bus_wait wakes when so many are there; 0: no thread waits */
     uint64_t last_wait_ns;    /* how long bus_wait waited last time */
     uint64_t asleep_until_ns; /* until then it does not wait awake */
-    bool (*turn)(void *self); /* of who waits and lends it; NULL: nobody does */
+    bool (*turn)(void *self); /* of the thread that waits and lends it; NULL: none does */
     void *turn_self;
     bool turning; /* a thread of DDS has it */
-    bool called;  /* who has lent it wants it, or has to look */
-    bool wakes;   /* somebody has asked for wake_fd, an eventfd that each arrival is written to */
+    bool called;  /* its owner wants it, or has to look */
+    bool wakes;   /* a caller has asked for wake_fd, an eventfd that each arrival is written to */
     int wake_fd;
 };
 
@@ -199,7 +199,7 @@ uint32_t bus_reader_matches(const struct bus_reader *reader);
  * Hands out the next sample that is there.
  *
  * Samples that break a rule of the wire (check.h) are dropped here and counted in bus->malformed.
- * Every end of an instance is handed out, also of one that came and went while nobody looked: then
+ * Every end of an instance is handed out, also of one that came and went between two looks: then
  * behind its last sample.
  *
  * @return the sample, on loan until the next bus_next of this reader; NULL: there is none now
@@ -211,7 +211,7 @@ void *bus_sample(enum bus_topic topic);
 
 /**
  * Takes the sample that bus_next gave last out of its reader: it stays as it is, for the caller,
- * who does not hear of the end of its instance if that has come already.
+ * which does not hear of the end of its instance if that has come already.
  *
  * @param spare  memory of bus_sample, or of a sample kept earlier, that the reader gets for it
  * @return the sample
@@ -221,7 +221,7 @@ void *bus_keep(struct bus_reader *reader, void *spare);
 /**
  * Waits until samples lie in the readers, or the time is over.
  *
- * Who knows how many samples the next step needs says so, and is woken once instead of once each;
+ * A caller that knows how many samples the next step needs is woken once instead of once each;
  * waking costs more than anything else in a step.
  *
  * @param samples     how many, in all readers together; 0: one more than lie there now

@@ -71,7 +71,7 @@ void bus_arrivals_note(int32_t entity, void *reader)
     if (lent) {
         turns_take(bus);
     } else if (enough) {
-        pthread_cond_signal(&bus->arrival); /* who wakes finds the lock free */
+        pthread_cond_signal(&bus->arrival); /* a thread that wakes finds the lock free */
     }
 }
 
@@ -111,9 +111,9 @@ int bus_wake_fd(struct bus *bus)
     return fd;
 }
 
-/* Called with the lock.  Yields to whoever wants to run.  On a machine that is busy that is the
- * worse way: who sleeps is woken at once, who yields waits for its turn.  When a turn has taken
- * long, the next waits are asleep. */
+/* Called with the lock.  Yields to other threads. On a busy machine that is the worse way: a
+ * sleeping thread is woken at once, a yielding one waits for its turn. When a turn has taken long,
+ * the next waits are asleep. */
 static void wait_awake(struct bus *bus, uint64_t samples, uint64_t now_ns, uint64_t until_ns)
 {
     if (bus->last_wait_ns > AWAKE_NS || now_ns < bus->asleep_until_ns) {
@@ -197,7 +197,7 @@ void bus_wait_lending(struct bus *bus, int64_t timeout_ns, bool (*turn)(void *se
     while (!bus->called && waited == 0) {
         waited = pthread_cond_timedwait(&bus->arrival, &bus->lock, &until);
     }
-    bus->called = true; /* who has the turn gives it back */
+    bus->called = true; /* the thread with the turn gives it back */
     while (bus->turning) {
         pthread_cond_wait(&bus->arrival, &bus->lock);
     }

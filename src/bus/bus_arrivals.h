@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file bus_arrivals.h
- * How many samples lie in the readers, and who sleeps until there is one.
+ * How many samples lie in the readers, and the thread that sleeps until there is one.
  *
  * Threads of DDS count, under the lock of the bus; the thread that has the bus takes.
  */

@@ -45,7 +45,7 @@ static bool is_count(uint64_t number)
     return number > 0 && number <= INT64_MAX;
 }
 
-/* to: whether it needs somebody to go to */
+/* to: whether it needs a receiver */
 static bool letter_ok(const muster_Mail *m, bool to)
 {
     const char *const fields[] = {m->performative, m->language,    m->ontology,
@@ -261,7 +261,7 @@ bool check_page(const void *sample)
     return fits;
 }
 
-/* Whoever unpacks a circular looks for its own seat among those that ascend. */
+/* A process that unpacks a circular looks for its own seat among those that ascend. */
 static bool circular_ok(const muster_Delivery *d)
 {
     uint32_t boxes = d->seats._length;

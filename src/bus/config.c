@@ -59,8 +59,8 @@ bool config_is_loopback(const char *interface)
     return !interface || strncmp(interface, "127.", strlen("127.")) == 0;
 }
 
-/* A star: everyone finds the hubs, the hubs find everyone, nobody else finds anybody.  On its own
- * host a hub calls on everyone itself; elsewhere it knows nobody, and is called. */
+/* A star: hubs and members find each other, and members do not find members. On its own host a hub
+ * calls on all processes itself; elsewhere it knows none, and is called. */
 static void host_write(struct mu_text *xml, const struct bus_options *options, const char *host,
                        size_t len, bool own)
 {
@@ -104,9 +104,9 @@ static void sizes_write(struct mu_text *xml, const char *interface)
     }
 }
 
-/* How often a process says to those with whom it peers that it is there (SPDP).  On one host
- * members call on the hubs when they start, and hubs on everybody when they do; what they say
- * later, which wakes whoever hears it, is for packets that were lost.  A hub on another host does
+/* How often a process says to its peers that it is there (SPDP). On one host members call on the
+ * hubs when they start, and hubs on all processes when they do; what they say later, which wakes
+ * each hearer, is for packets that were lost.  A hub on another host does
  * not call, and is found by asking: with the default of 30 s that took 8 s. */
 static const char *presence_interval(const struct bus_options *options)
 {
@@ -119,10 +119,11 @@ static const char *presence_interval(const struct bus_options *options)
     return is_hub(options) ? "2s" : "1s";
 }
 
-/* How often a writer asks its readers what they have, while they have not said it.  Who waits for
- * what it wrote to arrive, as at the end, waits so long.  A broker asks everyone, each time that
- * somebody new has not answered yet: of a hundred that start together half of all packets were
- * that.  Who has missed the question waits for the next: at 100 ms a run begins 0.15 s later. */
+/* How often a writer asks its readers what they have, while they have not said it.  A writer that
+ * waits for its samples to arrive, as at the end, waits so long. A broker asks all readers, each
+ * time that a new one has not answered yet: of a hundred that start together half of all packets
+ * were that. A reader that has missed the question waits for the next: at 100 ms a run begins 0.15
+ * s later. */
 static const char *heartbeat_interval(const struct bus_options *options, const char *interface)
 {
     return options->place == BUS_BROKER && config_is_loopback(interface) ? "50ms" : "20ms";

@@ -14,8 +14,8 @@ enum {
     CONFIG_INDEX_SIMULATOR = 1,
     CONFIG_INDEX_FIRST = 10, /* to LAST: agents and observers share them out among themselves */
     CONFIG_INDEX_LAST = 118,
-    CONFIG_INDEX_END = 119, /* MaxAutoParticipantIndex: who peers with a whole host calls on those
-                               below it, in spite of the name */
+    CONFIG_INDEX_END = 119, /* MaxAutoParticipantIndex: a process that peers with a whole host calls
+                               on those below it, in spite of the name */
     CONFIG_XML_MAX = 32 * 1024,
 };
 

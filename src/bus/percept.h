@@ -9,7 +9,7 @@
 #include "muster/percept.h"
 #include "wire.h"
 
-/** Fills in all but the robot's name.  The lists stay from's: nobody writes through to. */
+/** Fills in all but the robot's name.  The lists stay from's: nothing is written through to. */
 void percept_pack(muster_Percept *to, const struct mu_percept *from);
 
 /** Fills in all but step and time_ns.  Texts and lists stay from's. */

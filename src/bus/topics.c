@@ -90,7 +90,7 @@ dds_qos_t *topics_qos(const struct topic *topic)
 {
     dds_qos_t *qos = dds_create_qos();
     MU_ASSERT(qos);
-    /* A write never blocks: a timeout leaves the sample with its owner, who tries again. */
+    /* A write never blocks: a timeout leaves the sample with its owner, which tries again. */
     dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, 0);
     dds_qset_history(qos, topic->keeps_all ? DDS_HISTORY_KEEP_ALL : DDS_HISTORY_KEEP_LAST,
                      topic->keeps_all ? 0 : topics_depth(topic));

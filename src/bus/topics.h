@@ -10,9 +10,9 @@
 
 #include <dds/dds.h>
 
-/* Who says of a topic what its type is, for tools.  A description costs a millisecond where it is
- * given, and again wherever it is heard, so that one side alone gives it; observers, who are few,
- * always do. */
+/* The processes that say of a topic what its type is, for tools.  A description costs a millisecond
+ * where it is given, and again wherever it is heard, so that one side alone gives it; observers,
+ * which are few, always do. */
 enum topic_describer {
     DESCRIBED_BY_HUBS,
     DESCRIBED_BY_AGENTS,

@@ -3,10 +3,10 @@
  * @file traffic.h
  * Packets that are lost or late on purpose, between the processes of a run on one host.
  *
- * Who starts processes makes a table in shared memory, and tells each child in its environment
+ * The starter of processes makes a table in shared memory, and tells each child in its environment
  * where the table is and which part of the run it is.  Every UDP packet that Cyclone sends to a
  * port of another part goes by the table: a library that these children load before others
- * (LD_PRELOAD, src/faults) stands before the system's sendmsg().  Nobody else has it.
+ * (LD_PRELOAD, src/faults) stands before the system's sendmsg(). No other process has it.
  */
 #ifndef MUSTER_BUS_TRAFFIC_H
 #define MUSTER_BUS_TRAFFIC_H

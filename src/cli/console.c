@@ -37,7 +37,7 @@ struct console {
     bool editing;              /* the prompt stands on the screen */
     bool hidden;               /* it stood there, and something was printed over it */
     bool at_margin;            /* what was printed last ended with a line */
-    bool over;                 /* the person leaves, or there is nobody to talk to */
+    bool over;                 /* the person leaves, or there is no agent to talk to */
     uint64_t heard_ns;         /* when there was a broker last */
     enum mu_state state;       /* that the prompt shows */
 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* muster group: who is a member of what. */
+/* muster group: the members of groups. */
 #include "cli/verbs.h"
 #include "core/exits.h"
 #include "core/json.h"

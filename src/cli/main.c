@@ -167,7 +167,7 @@ static bool is_help(const char *word)
     return strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "help") == 0;
 }
 
-/* Who says nothing wants to know what there is. */
+/* Without words, the command says what there is. */
 static int live_print(void)
 {
     int domain;

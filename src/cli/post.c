@@ -108,7 +108,7 @@ static bool content_make(const struct verb *v, const struct mu_options *o, size_
     return true;
 }
 
-/* Who answers is no agent that anybody knows: it speaks for one on its way. */
+/* The answer comes from no agent with a name: it speaks for one that migrates. */
 static void answer_show(void *self, const struct mu_mail *mail)
 {
     (void)self;

@@ -80,7 +80,8 @@ mu_result remake_placements(struct recording *recording, const char *folder, str
 
 /* --- events.csv ------------------------------------------------------------------------------- */
 
-/* The last Frame of a run that has an end is how the world was left: nobody looked any more. */
+/* The last Frame of a run that has an end is how the world was left: no condition was looked at any
+ * more. */
 static bool is_step(const struct recording *recording, const muster_Frame *f)
 {
     if (f->step != recording->steps[recording->steps_count - 1].step) {

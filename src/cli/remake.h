@@ -14,7 +14,8 @@
 MU_MUST_USE mu_result remake_csv(struct recording *recording, const char *folder,
                                  struct mu_fault *fault);
 
-/** Writes folder/placements.csv anew, or takes it away when nobody was placed.  @return likewise */
+/** Writes folder/placements.csv anew, or takes it away when no robot was placed.  @return likewise
+ */
 MU_MUST_USE mu_result remake_placements(struct recording *recording, const char *folder,
                                         struct mu_fault *fault);
 

@@ -232,7 +232,7 @@ static void robots_use(const struct summary *s, struct report_input *in)
     in->robots = robots;
 }
 
-/* Chaos that was done to the world stands in the Frames; what became of the rest nobody knows. */
+/* Chaos that was done to the world stands in the Frames; what became of the rest is not known. */
 static void orders_note(struct remaking *m)
 {
     const struct experiment *e = m->run->experiment;

@@ -14,7 +14,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Who asks once waits so long for an answer. */
+/* A single question waits so long for an answer. */
 static const uint64_t ONCE_PATIENCE_NS = 5000000000;
 static const double GOAL_NEAR_M = 0.25;
 

@@ -19,7 +19,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Folders of ours are called so; what is kept has another name, so that nobody clears it. */
+/* Folders of ours are called so; what is kept has another name, so that no later run clears it. */
 #define UNPACK_OURS "muster-verify-"
 #define UNPACK_KEPT "muster-kept-"
 #define UNPACK_LOCK ".owner"
@@ -41,8 +41,8 @@ static void folder_remove(const char *folder)
     (void)nftw(folder, entry_remove, FILES_OPEN, FTW_DEPTH | FTW_PHYS);
 }
 
-/* @return whether it is a folder of this user that nobody has any more.  One without a lock is just
- * being made, unless it is old. */
+/* @return whether it is a folder of this user that no process has any more.  One without a lock is
+ * just being made, unless it is old. */
 static bool is_left_behind(const char *folder)
 {
     char path[PATH_MAX + 2 * NAME_MAX];
@@ -77,7 +77,7 @@ static void left_behind_clear(const char *below)
 }
 
 /* The lock lives as long as this process: its descriptor stays open.  It has its name when it is
- * held, so that nobody finds it free. */
+ * held, so that no process finds it free. */
 static bool folder_lock(const char *folder)
 {
     char draft[PATH_MAX], path[PATH_MAX];

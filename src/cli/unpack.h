@@ -4,7 +4,7 @@
  * The files of a recording, unpacked into a folder of their own below TMPDIR, or else /tmp, as they
  * stood to one another.
  *
- * Whoever has such a folder holds a lock in it for its life.  The next one clears what others of
+ * A process with such a folder holds a lock in it for its life.  The next one clears what others of
  * the same user have left behind because they were killed.
  */
 #ifndef MUSTER_CLI_UNPACK_H

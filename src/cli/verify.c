@@ -75,7 +75,7 @@ static double seconds(const struct verify *v, int64_t step)
 }
 
 /* As long as the recording is.  Where it says that there was more, a step of that, too: it is what
- * differs, or what ends a step in which somebody was silent. */
+ * differs, or what ends a step in which a process was silent. */
 static double duration_s(const struct verify *v)
 {
     const char *said = mcap_reader_value(v->before.reader, "end", "steps");

@@ -261,7 +261,7 @@ static void name_add(struct mu_text *names, const char *name)
     mu_text_add(names, name);
 }
 
-/* Bodies, and minds without one: clones, and who was launched. */
+/* Bodies, and minds without one: clones, and agents that were launched. */
 static void robots_name(struct teller *t, struct mu_text *names)
 {
     const struct minds *m = t->recording.minds;

@@ -15,10 +15,10 @@ enum mu_exit {
     MU_EXIT_EXPECTATION = 1, /* an expectation failed */
     MU_EXIT_USAGE = 2,       /* wrong usage */
     MU_EXIT_FILE = 3,        /* a bad file */
-    MU_EXIT_DDS = 4,         /* nobody answers */
+    MU_EXIT_DDS = 4,         /* no broker or agent answers */
     MU_EXIT_CRASH = 5,       /* a process of the run crashed */
     MU_EXIT_REFUSED = 6,     /* refused: by policy, by the agent's state, or a held name */
-    MU_EXIT_NO_AGENT = 7,    /* no such agent, group or service, or nobody fits the address */
+    MU_EXIT_NO_AGENT = 7,    /* no such agent, group or service, or no agent fits the address */
     MU_EXIT_UNDELIVERED = 8, /* not delivered: expired, dropped, no room; or refused by an answer */
     MU_EXIT_WRITE = 9,       /* cannot write */
     MU_EXIT_SEVERAL = 10,    /* several runs live: say which */

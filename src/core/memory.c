@@ -16,8 +16,8 @@ static bool memory_sealed;
 /* There in programs built with a leak checker: this memory is meant to be kept. */
 void __lsan_ignore_object(const void *p) __attribute__((weak));
 
-/* A block larger than a page comes from the system: a heap would clear it, and pages that nobody
- * uses would take memory.  The heap of a checker finds accesses beyond a block. */
+/* A block larger than a page comes from the system: a heap would clear it, and pages that are
+ * not used would take memory.  The heap of a checker finds accesses beyond a block. */
 #ifdef __SANITIZE_ADDRESS__
 enum { PAGES_FROM = INT_MAX };
 #else

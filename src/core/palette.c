@@ -133,7 +133,7 @@ static bool is_alone(const struct palette_robot *robots, size_t count, size_t ro
     return true;
 }
 
-/* @return whether it has it now: nobody else has */
+/* @return whether it has it now: no other robot has */
 static bool take(struct palette_color *colors, size_t count, size_t robot, struct palette_color c)
 {
     for (size_t i = 0; i < count; i++) {

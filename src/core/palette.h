@@ -21,9 +21,9 @@ struct palette_color {
 
 /* A robot that needs a colour. */
 struct palette_robot {
-    const char *name; /* the colour that it is called after, if nobody has that */
+    const char *name; /* the colour that it is called after, if no other has that */
     uint32_t rgb; /* the world's or the experiment's; one that others have, too, does not count */
-    bool stands;  /* nobody drives it: its colour does not change those of driven robots */
+    bool stands;  /* no program drives it: its colour does not change those of driven robots */
 };
 
 /** Chooses a colour for each of the robots, in their order: its own, else that of its name, else

@@ -46,8 +46,8 @@ void mu_path_plain(char *path);
 
 /**
  * Writes the name that a file has for others: below the current folder as from there, else as from
- * the root, which is called _.  It begins with "/" and never leads up, out of where somebody
- * unpacks it.
+ * the root, which is called _.  It begins with "/" and never leads up, out of the folder that it is
+ * unpacked in.
  */
 void mu_path_portable(struct mu_text *name, const char *path);
 

@@ -3,8 +3,8 @@
  * @file probe.h
  * Probes: lines of CLIPS that only look.
  *
- * Who says a line asks here whether it may go as a probe, and the mind that is to answer asks
- * again.  Pure.
+ * A program that sends a line asks here whether it may go as a probe, and the mind that is to
+ * answer asks again.  Pure.
  */
 #ifndef MUSTER_CORE_PROBE_H
 #define MUSTER_CORE_PROBE_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file spell.h
- * Which known word somebody may have meant.
+ * Which known word was meant.
  */
 #ifndef MUSTER_CORE_SPELL_H
 #define MUSTER_CORE_SPELL_H

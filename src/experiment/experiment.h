@@ -82,7 +82,7 @@ struct experiment_crew {
     bool numbered;         /* names are NAME_0, NAME_1, ...; else it is one robot, NAME */
 };
 
-/* Who looks at the run while it lives, and is none of it. */
+/* A program that looks at the run while it lives, and is no part of it. */
 struct experiment_monitor {
     char *name;    /* of the agent, and of its log; "monitor" unless it says otherwise */
     char *rules;   /* absolute path; in the file, relative to it */
@@ -104,8 +104,8 @@ struct experiment_command {
 
 /* What must be true, or the run fails (exit code 1). */
 struct experiment_expectation {
-    char *near_robot; /* who */
-    char *near_mate;  /* whom */
+    char *near_robot; /* this one */
+    char *near_mate;  /* is near that one */
     double within_m;
     double from_s, to_s;         /* the whole run unless it says otherwise; objects: from_s alone */
     double share;                /* of the time, 0 to 1; 1 unless it says otherwise */
@@ -173,7 +173,7 @@ struct experiment {
     char *name;   /* the file's name without folder and ending, unless it says otherwise;
                      letters, digits, _ . -, so that a folder may bear it */
     char *world;  /* absolute path; in the file, relative to it */
-    char *policy; /* likewise: who may direct whom; NULL: the broker's default */
+    char *policy; /* likewise: which agents may direct which; NULL: the broker's default */
     uint64_t seed;
     double duration; /* s of simulated time */
     double step_ms;  /* control step; 100 unless it says otherwise */
@@ -186,7 +186,7 @@ struct experiment {
     unsigned brokers_count;
     char **hosts; /* processes that robots may move to */
     unsigned hosts_count;
-    char **resolvers; /* schemes of addresses that somebody is to resolve: role, near */
+    char **resolvers; /* schemes of addresses that need a resolver: role, near */
     unsigned resolvers_count;
     struct experiment_broker broker;
     struct experiment_simulator simulator;
@@ -202,7 +202,7 @@ struct experiment {
     unsigned expect_count;
     struct experiment_chaos *chaos;
     unsigned chaos_count;
-    bool free;           /* it runs free unless somebody says otherwise */
+    bool free;           /* it runs free unless the command line says otherwise */
     const char **events; /* conditions of all sequences and nevers, each once */
     unsigned events_count;
     struct experiment_mark *event_marks; /* where the file has each first */

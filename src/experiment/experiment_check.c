@@ -70,7 +70,7 @@ static mu_result check_hosts(struct experiment_source *s)
     return MU_OK;
 }
 
-/* 0 stands for what nobody said. */
+/* 0 stands for a number that is not given. */
 static mu_result check_simulator(struct experiment_source *s)
 {
     const uint64_t *threads = &s->experiment->simulator.threads;

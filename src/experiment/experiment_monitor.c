@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Who looks at a run: rules, or a program of the user's. */
+/* Monitors of a run: rules, or a program of the user's. */
 #include "core/name.h"
 #include "experiment/experiment_source.h"
 
 #include <string.h>
 #include <unistd.h>
 
-/* @return whether somebody of the run, or a monitor before this one, has the name */
+/* @return whether a part of the run, or a monitor before this one, has the name */
 static bool name_is_taken(const struct experiment *e, size_t index)
 {
     const char *name = e->monitors[index].name;
@@ -34,7 +34,7 @@ static mu_result name_check(struct experiment_source *s, size_t index, int node)
                : MU_OK;
 }
 
-/* A recording has no programs, and who does a recorded run again starts none. */
+/* A recording has no programs, and a recorded run that is repeated starts none. */
 static mu_result program_check(struct experiment_source *s, struct experiment_monitor *m, int node)
 {
     if (experiment_is_recorded()) {

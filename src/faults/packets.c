@@ -138,7 +138,7 @@ static size_t late_put(int fd, const struct msghdr *message, uint32_t late_us)
     return len;
 }
 
-/* @return whether a packet was struck: nobody needs to send it any more */
+/* @return whether a packet was struck: it need not be sent any more */
 static bool packet_struck(int fd, const struct msghdr *message)
 {
     const struct sockaddr_in *to = message->msg_name;

@@ -34,7 +34,7 @@ struct mcap_channel {
 
 struct mcap_message {
     uint32_t channel;    /* index of the channel, in the order in which they were added */
-    uint32_t sequence;   /* of the one who recorded; as good as any number */
+    uint32_t sequence;   /* of the recorder; as good as any number */
     uint64_t log_ns;     /* the time that recordings are sorted by; of a run: simulated */
     uint64_t publish_ns; /* when it was written, nanoseconds since 1970 */
     const void *data;
@@ -88,14 +88,14 @@ MU_MUST_USE mu_result mcap_reader_open(struct mcap_reader *r, const char *path,
 
 void mcap_reader_close(struct mcap_reader *r);
 
-/** @return whether the file has its summary: whoever wrote it came to its end */
+/** @return whether the file has its summary: its writer came to its end */
 bool mcap_reader_whole(const struct mcap_reader *r);
 
 /** @return chunks that were left out because their checksum or their records were wrong */
 uint64_t mcap_reader_broken(const struct mcap_reader *r);
 
 /** Has chunks read, from the next open on, although their checksums are wrong; they are counted all
- * the same.  For who looks for what was changed. */
+ * the same.  For programs that look for what was changed. */
 void mcap_reader_believe(struct mcap_reader *r);
 
 /** The times of the first and the last message.  @return false: there are no messages */
@@ -170,7 +170,7 @@ struct mcap_writer *mcap_writer_create(void);
 /**
  * Creates the file, or empties it, and writes its head.
  *
- * @param library  who writes, for people: "muster 0.1.0"
+ * @param library  the writer, for people: "muster 0.1.0"
  * @return MU_OK or MU_FAULT_OS, said on standard error
  */
 MU_MUST_USE mu_result mcap_writer_open(struct mcap_writer *w, const char *path,
@@ -193,7 +193,7 @@ MU_MUST_USE mu_result mcap_writer_channel(struct mcap_writer *w, const struct mc
  */
 mu_result mcap_writer_message(struct mcap_writer *w, const struct mcap_message *message);
 
-/** Writes what is older than a second.  Who may be idle for longer calls it now and then.
+/** Writes what is older than a second.  A writer that may be idle for longer calls it now and then.
  * @param now_ns  by the monotonic clock */
 void mcap_writer_look(struct mcap_writer *w, uint64_t now_ns);
 

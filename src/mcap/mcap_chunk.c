@@ -6,7 +6,7 @@
 
 #include <zlib.h>
 
-/* Its channel's messages are counted, or it is passed over: nobody knows its channel. */
+/* Its channel's messages are counted, or it is passed over: its channel is unknown. */
 static void message_take(struct mcap_reader *r, struct reader_slot *slot, struct mcap_in in,
                          bool learns)
 {

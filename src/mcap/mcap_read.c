@@ -195,7 +195,7 @@ static mu_result footer_read(struct mcap_reader *r, uint64_t *begins, uint64_t *
     return summary_sum(r, *begins, *ends + MCAP_FOOTER_CRC_AT, crc);
 }
 
-/* Who leaves out the indices of chunks, or what describes channels, leaves it to us to find them.
+/* Some writers leave out the indices of chunks, or the channels: then the file is searched.
  */
 static bool summary_says_all(const struct mcap_reader *r)
 {

@@ -106,7 +106,7 @@ bool mcap_catalog_chunk(struct mcap_reader *r, const struct reader_chunk *chunk)
  * Reads a chunk into a slot: its messages, if their channels are known.
  *
  * @param learns  while the file is opened: schemas and channels in it go into the catalogue, and
- *                messages are counted.  Later the catalogue is what whoever opened it has seen
+ *                messages are counted.  Later the catalogue is what opening has found
  * @return MU_OK; MU_MALFORMED: it is broken, and nothing is in the slot; MU_FAULT_OS
  */
 MU_MUST_USE mu_result mcap_chunk_load(struct mcap_reader *r, struct reader_slot *slot,

@@ -201,7 +201,8 @@ mu_result mind_probe(struct mind *m, const char *line, struct mu_text *out)
     return done ? MU_OK : MU_MALFORMED;
 }
 
-/* --- words, for whoever completes what a person types ----------------------------------------- */
+/* --- words, for completion of what a person types ----------------------------------------------
+ */
 
 /* Words of CLIPS that are no functions. */
 static const char *const words_constructs[] = {

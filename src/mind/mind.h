@@ -130,7 +130,7 @@ mu_result mind_tell_slots(struct mind *m, const char *relation, const struct min
                           size_t count);
 
 /** @return whether a pattern or a query of some construct looks at facts of that relation, or
- * somebody watches them */
+ * a person watches them */
 bool mind_looks_at(const struct mind *m, const char *relation);
 
 /**
@@ -209,7 +209,7 @@ MU_MUST_USE mu_result mind_line(struct mind *m, const char *line, struct mu_text
 
 /**
  * Answers a line that only looks (core/probe.h), from what the mind is between two steps, and
- * leaves it as it was: the same snapshot, and the same run, as if nobody had looked.
+ * leaves it as it was: the same snapshot, and the same run, as without the look.
  *
  * @param out   what it printed, or its value, or the error
  * @return MU_OK; MU_MALFORMED: CLIPS refused it; MU_ABSENT: it does not only look, or means

@@ -293,7 +293,7 @@ static void words_take(struct console_link *l, const struct mu_mail *mail, uint6
 void console_link_mail(struct console_link *l, const struct mu_mail *mail)
 {
     unsigned long long number;
-    bool ours = l->agent && strcmp(mail->src, l->agent) == 0; /* or nobody is looked at yet */
+    bool ours = l->agent && strcmp(mail->src, l->agent) == 0; /* or no agent is looked at yet */
     if (ours && strcmp(mail->performative, "trace") == 0) {
         if (l->attached) { /* else it was for an earlier console of our name */
             trace_take(l, mail);

@@ -42,7 +42,7 @@ static struct {
     char reply_with[32];
 } directing;
 
-/* --- whom it is for --------------------------------------------------------------------------- */
+/* --- the receivers ---------------------------------------------------------------------------- */
 
 bool direct_is_possible(const char *to)
 {

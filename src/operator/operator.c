@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 static const double RECEIPT_PATIENCE_S = 5;
-static const double BUSY_WAIT_S = 0.5; /* at least, for somebody who is busy */
+static const double BUSY_WAIT_S = 0.5; /* at least, for an agent that is busy */
 static const int64_t ROUND_NS = 20000000;
 static const uint64_t PAGES_QUIET_NS = 100000000;
 
@@ -67,7 +67,7 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
         return;
     }
     if (o->asks_many && strcmp(mail->performative, "not-understood") == 0) {
-        return; /* who is in a group need not know CLIPS */
+        return; /* a member of a group need not know CLIPS */
     }
     o->answers++;
     int code = answer_exit(mail);
@@ -233,7 +233,7 @@ static void absence_tell(const struct operator* o, const struct mu_mail *mail)
     }
 }
 
-/* Waits for as long as a broker may take; for one who is busy, as long as that is wanted.
+/* Waits for as long as a broker may take; for an agent that is busy, as long as that is wanted.
  * @return false: in vain */
 static bool outcome_await(struct operator* o, const char *to, double wait_s)
 {

@@ -2,7 +2,7 @@
 /**
  * @file operator.h
  * A person's agent: what programs share at which people sit (consoles, answers, live runs), and the
- * command line as an agent: whom a mail is for, directives, changes of the pages.
+ * command line as an agent: receivers of a mail, directives, changes of the pages.
  */
 #ifndef MUSTER_OPERATOR_OPERATOR_H
 #define MUSTER_OPERATOR_OPERATOR_H
@@ -46,8 +46,8 @@ void answer_print(const struct mu_mail *mail, bool json);
 /** @return the exit code for what became of a mail */
 int answer_outcome_exit(enum mu_outcome outcome);
 
-/** @return what follows the outcome's word in a message to a person; "": nothing.  @param to  whom
- * the mail was for */
+/** @return what follows the outcome's word in a message to a person; "": nothing.  @param to the
+ * receiver of the mail */
 const char *answer_outcome_advice(enum mu_outcome outcome, const char *to);
 
 /** @return what is meant by the code in why an agent stays, such as `red unknown-host`; NULL:
@@ -105,8 +105,8 @@ size_t complete_rest(const char *words, struct complete_word w, char rest[COMPLE
  * A console's side of the mail between it and the agent that it is for: lines that wait for their
  * answers, the answers' pieces, what is watched, the words that are completed.
  *
- * Knows no terminal and joins nobody: what is to be seen goes to show, and whoever has an agent in
- * whose name lines go out hands over what comes for it.  One agent may have several links.
+ * Knows no terminal and joins no broker: what is to be seen goes to show, and the owner of the
+ * agent that sends the lines hands over what comes for it.  One agent may have several links.
  * docs/console.md has the directives.
  */
 
@@ -135,7 +135,7 @@ struct console_pending {
 struct console_link {
     mu_process *process;
     mu_agent *asker;   /* in whose name lines go out */
-    const char *agent; /* whom it is for */
+    const char *agent; /* the receiver */
     /* Lines that wait, oldest first. */
     struct console_pending pending[CONSOLE_PENDING_MAX];
     size_t pending_count, pending_max;
@@ -248,7 +248,7 @@ bool forms_are_open(const struct forms *f);
 /* --- reader.c --------------------------------------------------------------------------------- */
 
 /*
- * Names of those who join as a further operator: operator-N.
+ * Names of programs that join as a further operator: operator-N.
  *
  * There are few of them, as a broker keeps each that it has ever heard.
  */
@@ -257,12 +257,10 @@ bool forms_are_open(const struct forms *f);
  * Makes a name; one that is held by another is no reason to give up before the next.
  *
  * @param attempt  0, 1, ...: another name each
- * @param stays    it reads for long: who does so for a moment does not take its name while it is
- *                 away
- */
+ * @param stays    it reads for long: a brief reader does not take its name while it is away */
 void reader_name(char name[MU_NAME_MAX + 1], unsigned attempt, bool stays);
 
-/** @return whether that is a verb that only reads, somebody's or our own */
+/** @return whether that is a verb that only reads, another program's or our own */
 bool reader_is(const struct mu_member *m);
 
 /* --- runs.c ----------------------------------------------------------------------------------- */
@@ -272,17 +270,17 @@ bool reader_is(const struct mu_member *m);
  *
  * A run holds a lock on a small file in $XDG_RUNTIME_DIR/muster, or in /tmp/muster-UID when
  * that names no folder; a lock ends
- * with its process, so a file that nobody locks is nobody's run.
+ * with its process, so a file without a lock is no run.
  */
 
-/** Domains that a run picks from: below them is everybody's 0, above are ephemeral ports. */
+/** Domains that a run picks from: below them is the common 0, above are ephemeral ports. */
 enum { RUNS_DOMAIN_FIRST = 1, RUNS_DOMAIN_LAST = 99 };
 
 /**
  * Takes a domain for the life of this process.
  *
  * @param wanted  the domain, or -1 to pick a free one
- * @param name    of the experiment, for who lists the runs
+ * @param name    of the experiment, for lists of runs
  * @param domain  out
  * @return MU_OK; MU_BUSY: another run has it, or there is none left; MU_FAULT_OS: there is no
  *         folder for the list, which is explained on standard error
@@ -364,13 +362,13 @@ bool words_query_check(const char *program, const char *query);
 
 /* --- receivers.c ------------------------------------------------------------------------------ */
 
-/* TO and TARGETS of the command line: whom a mail is for. */
+/* TO and TARGETS of the command line: the receivers of a mail. */
 
 /* What a person is told whose receivers are not valid. */
 #define RECEIVERS_EXPECTED \
     "a name, names joined by commas, all, robots, special, group:G or SCHEME:REST"
 
-/** @return whether nobody in particular is meant, so that nobody in particular has to answer */
+/** @return whether no agent in particular is meant, so that none in particular has to answer */
 bool receivers_are_many(const char *to);
 
 /** @return whether there is a group of that name */
@@ -380,9 +378,10 @@ bool receivers_are_group(const mu_process *p, const char *name);
 bool receivers_have(const mu_process *p, const char *to, const struct mu_member *m);
 
 /**
- * Counts those whose answer may be waited for: with names, each of them; else who is there now.
+ * Counts the agents whose answer may be waited for: with names, each of them; else all that are
+ * there now.
  *
- * @param from         the sender, who gets no mail of its own
+ * @param from         the sender, which gets no mail of its own
  * @param robots_only  only robots know how to answer
  */
 unsigned receivers_count(const mu_process *p, const char *to, const char *from, bool robots_only);
@@ -410,7 +409,7 @@ struct operator_options {
     bool json, quiet;
     bool takes_no_mail; /* what waits for the agent stays where it is */
     bool only_reads;    /* it need not be the operator; a console is the operator all the same */
-    bool stays;         /* it reads for long: who does so for a moment does not take its name while
+    bool stays;         /* it reads for long: a brief reader does not take its name while
                            it is away */
     const struct operator_hooks *hooks; /* or NULL */
 };
@@ -425,12 +424,12 @@ struct operator
     enum mu_outcome outcome; /* of the last mail sent: the last word so far */
     uint64_t seq;            /* its number */
     bool answered_for;       /* there is an outcome */
-    bool asks_many;          /* nobody in particular: not-understood is no answer */
+    bool asks_many;          /* no agent in particular: not-understood is no answer */
     unsigned answers;        /* mails that came in reply to it */
     int failure_code;        /* the smallest exit code of those that are failures; 0: none is */
     const char *reply_with;  /* that answers refer to; NULL: none are wanted */
     char reply_with_own[32];
-    uint64_t glance;        /* number of the question that was asked; 0: none waits */
+    uint64_t glance;       /* number of the question that was asked; 0: none waits */
     enum probe_end looked; /* what came of it */
     const struct operator_hooks *hooks;
     /* Takes an answer instead of its being printed; may be NULL. */
@@ -471,7 +470,7 @@ int operator_send(struct operator* o, struct mu_mail *mail, unsigned answers_wan
  */
 int operator_look(struct operator* o, const char *agent, const char *line, double wait_s);
 
-/** @return the line of one who was written to in person, and is busy; NULL: that is not why */
+/** @return the line of an agent that was addressed by name, and is busy; NULL: that is not why */
 const struct mu_member *operator_busy(const struct operator* o, const char *to);
 
 /** Prints what became of a mail as an object.  @param code  exit code; < 0: it is left out */
@@ -500,8 +499,8 @@ bool change_name_check(const char *program, const char *as);
 /**
  * Makes a change in the name of options->as and leaves the operator joined.
  *
- * The operator says it to the broker, which asks the trust policy; an agent that nobody has heard
- * of joins for the moment, so that its name is known.
+ * The operator says it to the broker, which asks the trust policy; an agent that is not known yet
+ * joins for the moment, so that its name is known.
  *
  * @return the exit code, explained
  */

@@ -64,7 +64,7 @@ static int lock_open(const char *folder, int domain, int flags)
     return open(path, flags | O_CLOEXEC | O_NOFOLLOW, 0600);
 }
 
-/* @return a socket that has this port on loopback; < 0: somebody else has it */
+/* @return a socket that has this port on loopback; < 0: another process has it */
 static int port_bind(int type, int port)
 {
     int fd = socket(AF_INET, type | SOCK_CLOEXEC, 0);
@@ -78,7 +78,7 @@ static int port_bind(int type, int port)
     return fd;
 }
 
-/* The lock file is ours; does somebody else's broker or simulator use the ports:
+/* The lock file is ours; does another user's broker or simulator use the ports:
  * indices 0 to 4? */
 static bool ports_free(int domain)
 {
@@ -92,12 +92,12 @@ static bool ports_free(int domain)
     return true;
 }
 
-/* Other users' lock files lie elsewhere, and their broker may not be up yet: who runs in a domain
- * holds a TCP port of it, too, which DDS has no use for.  It comes before the look at the ports of
- * DDS: a look takes each for a moment, and who lives there may want it just then.
+/* Other users' lock files lie elsewhere, and their broker may not be up yet: a run holds a TCP port
+ * of its domain, too, which DDS has no use for.  It comes before the look at the ports of
+ * DDS: a look takes each for a moment, and a process there may want it just then.
  *
  * is_picked: of many; one that the user wants is not refused for a stranger's port.
- * @return whether nobody is there; the TCP port is held for good then */
+ * @return whether no run is there; the TCP port is held for good then */
 static bool ports_take(int domain, bool is_picked)
 {
     int held = port_bind(SOCK_STREAM, bus_port(domain, 0));

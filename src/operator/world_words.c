@@ -50,7 +50,7 @@ static bool name_read(const struct order *o)
     if (strlen(o->words[0]) > MU_NAME_MAX) {
         return refuse(o, 0, "no name is that long");
     }
-    o->c->name = (char *)(uintptr_t)o->words[0]; /* nobody writes there */
+    o->c->name = (char *)(uintptr_t)o->words[0]; /* there is no writer */
     return true;
 }
 

@@ -51,7 +51,7 @@ static bool is_wanted(const char *topic)
     return set.topics_count == 0 && set.all;
 }
 
-/* muster has looked which run lives; who names a domain means that one. */
+/* muster has looked which run lives; a domain that is named is meant. */
 static void domain_choose(void)
 {
     const char *live = getenv("MUSTER_LIVE_DOMAIN");
@@ -154,7 +154,7 @@ static mu_result recorder_open(struct recorder *r)
     return tap_watch_open(&r->watch, &r->bus);
 }
 
-/* Our own topics are known before anybody writes them, so that nothing is missed. */
+/* Our own topics are known before a process writes them, so that nothing is missed. */
 static mu_result taps_open(struct recorder *r)
 {
     bool ours = set.topics_count == 0 && !set.all;

@@ -84,7 +84,7 @@ static void partitions_add(struct pairs *p, const char *partitions)
     }
 }
 
-/* Adds what the type is, as DDS programs tell it, once: who replays it makes a topic of it. */
+/* Adds what the type is, as DDS programs tell it, once: a replay makes a topic of it. */
 static void type_attach(struct tape *t, struct tape_channel *c, struct tap *tap)
 {
     static uint8_t bytes[MU_RECORD_TYPE_MAX];

@@ -11,7 +11,7 @@
 
 enum { ORIGIN_BYTES = 128 };
 
-/* What processes say to each other means something to them: it is replayed to who asks for it. */
+/* What processes say to each other means something to them: it is replayed only on request. */
 static const enum bus_topic for_observers[] = {
     BUS_SCENE,         BUS_FRAME,       BUS_RUN_STATUS,   BUS_PAGES,
     BUS_BROKER_STATUS, BUS_PART_STATUS, BUS_BROKER_EVENT,
@@ -137,7 +137,7 @@ static mu_result ours_open(struct channels *c, uint32_t index, enum bus_topic to
         older_say(c, channel->topic);
         return MU_OK;
     }
-    if (topic == BUS_FRAME) { /* to those who want every one, and those who want the latest */
+    if (topic == BUS_FRAME) { /* to readers of every one, and to readers of the latest */
         return feed_open(feed_add(c, index), c->bus, topic, "every", "latest");
     }
     return feed_open(feed_add(c, index), c->bus, topic, names[0], count > 1 ? names[1] : NULL);

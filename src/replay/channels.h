@@ -3,8 +3,8 @@
  * @file channels.h
  * Which channels of a recording are replayed, and to what.
  *
- * Ours are replayed to who looks at runs; topics of other programs as they were.  What is left out
- * and might have been expected is said on standard error, with the reason.
+ * Ours are replayed to programs that look at runs; topics of other programs as they were.  What is
+ * left out and might have been expected is said on standard error, with the reason.
  */
 #ifndef MUSTER_REPLAY_CHANNELS_H
 #define MUSTER_REPLAY_CHANNELS_H

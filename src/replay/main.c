@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* muster-replay: a recording on DDS again, for who looks at runs. */
+/* muster-replay: a recording on DDS again, for programs that look at runs. */
 #include "core/clock.h"
 #include "core/exits.h"
 #include "core/log.h"

@@ -38,7 +38,7 @@ struct report_mail {
     uint64_t sent, delivered, waiting, expired, refused, lost, duplicated;
 };
 
-/* Who looked at the run. */
+/* A monitor of the run. */
 struct report_monitor {
     const char *name;            /* what it said is in NAME.log */
     const char *rules, *program; /* one of them; the other is NULL */
@@ -77,7 +77,7 @@ struct report_input {
     const struct report_object *objects;
     size_t objects_count;
     struct report_mail mail;
-    bool mail_unknown; /* nobody has the brokers' counters */
+    bool mail_unknown; /* the brokers' counters are not known */
     const struct report_restarts *restarts;
     size_t restarts_count;
     const struct report_monitor *monitors;
@@ -101,7 +101,7 @@ struct report_result {
     struct report_robot_result robots[MU_ROBOTS_MAX];
     /* Of the 0.5 m cells of floor that a robot can reach, how many a robot's centre crossed. */
     double explored_fraction;
-    const char *most_efficient; /* by mu_stats_efficiency; NULL: nobody moved */
+    const char *most_efficient; /* by mu_stats_efficiency; NULL: no robot moved */
     double efficiency_m_s;      /* of that one */
     /* Each expectation: what it says, what was measured, and whether it was met.  One whose time
      * begins after the end of a run that was cut short on purpose is not judged: met is true, and

@@ -23,7 +23,7 @@ struct report_row {
     size_t robot; /* in report_input */
     double time_s, x_m, y_m, heading_rad;
     bool stalled;
-    bool placed; /* somebody put it there */
+    bool placed; /* it was put there */
 };
 
 struct report_sample {
@@ -52,7 +52,7 @@ struct report_data {
 /* --- report_read.c: run.csv, row by row ------------------------------------------------------- */
 
 struct report_reader {
-    FILE *file, *placements; /* NULL: nobody was placed */
+    FILE *file, *placements; /* NULL: no robot was placed */
     char path[REPORT_PATH_MAX];
     char placement[64]; /* the next of them: time, robot */
     const struct report_input *input;

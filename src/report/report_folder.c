@@ -2,9 +2,9 @@
 /*
  * The folder of a report, taken for the life of a run.
  *
- * A live run holds a lock on the file .running in its folder.  Who looks into a folder, takes it or
- * moves it away holds a lock on the folder itself for that moment, so that nobody sees a lock file
- * that is not locked yet, or moves a folder that somebody has just taken.
+ * A live run holds a lock on the file .running in its folder.  A process that looks into a
+ * folder, takes it or moves it away holds a lock on the folder itself for that moment.  So no other
+ * sees a lock file that is not locked yet, or moves a folder that has just been taken.
  */
 #include "core/paths.h"
 #include "core/text.h"

@@ -186,7 +186,7 @@ static void html_chaos(FILE *file, const struct report_data *data)
     fputs("</table>\n", file);
 }
 
-/* Who looked, where that is written down, and whether it lived to the end. */
+/* The monitors, their logs, and whether each lived to the end. */
 static void html_monitors(FILE *file, const struct report_input *input)
 {
     if (input->monitors_count == 0) {

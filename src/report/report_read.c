@@ -55,7 +55,7 @@ static mu_result read_count_lines(struct report_reader *r, size_t *lines, struct
     return ferror(r->file) ? mu_fault_os(fault, r->path, "read") : MU_OK;
 }
 
-/* placements.csv is there when somebody was placed; its rows are in the order of run.csv's. */
+/* placements.csv is there when a robot was placed; its rows are in the order of run.csv's. */
 static void placement_next(struct report_reader *r)
 {
     r->placement[0] = '\0';

@@ -98,7 +98,7 @@ static void events_draw(const struct timeline *t, const char *event, double from
         double px = svg_scale_px(&t->x, (double)events->at[i].time_s);
         double from[2] = {px, y + 5}, to[2] = {px, y + 10};
         bool counts = (double)events->at[i].time_s >= from_s - 1e-6;
-        if (counts && px - before_px >= 1) { /* what nobody could tell apart is drawn once */
+        if (counts && px - before_px >= 1) { /* what looks the same is drawn once */
             svg_line(t->file, from, to, "stroke=\"#333\" stroke-width=\"1.2\"");
             before_px = px;
         }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* muster-resolver: an agent that says whom addresses of one scheme stand for. */
+/* muster-resolver: an agent that says for which agents addresses of one scheme stand. */
 #include "core/exits.h"
 #include "core/log.h"
 #include "core/network.h"

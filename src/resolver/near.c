@@ -52,7 +52,7 @@ static bool near_resolve(void *self, mu_agent *a, const char *rest, const char *
     double most_m;
     size_t me = near_find(sender);
     if (me == near_count || !near_distance(rest, &most_m)) {
-        return false; /* who has no body is near nobody */
+        return false; /* an agent without a body is near none */
     }
     for (size_t i = 0; i < near_count; i++) {
         double x_m = near_bodies[i].x_m - near_bodies[me].x_m;

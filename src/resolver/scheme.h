@@ -17,7 +17,7 @@ struct scheme {
     void (*see)(const struct mu_percept *bodies, size_t count);
 };
 
-/** role:R is whoever offers something with role=R; task:T likewise. */
+/** role:R is every agent that offers something with role=R; task:T likewise. */
 extern const struct scheme role_scheme, task_scheme;
 
 /** near:D is whose body is at most D metres away from the sender's, centre to centre. */

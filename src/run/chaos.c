@@ -220,9 +220,9 @@ static bool part_restart(struct run *r, struct child *child)
     return child->ended && run_start_again(r, child) == MU_OK;
 }
 
-/* Who begins anew is told to run, as all were at the beginning.  In lock step that is said while
- * the clock stands still, with the step at which it comes, so that it is the same in every run; a
- * run that is done again has it from the recording. */
+/* An agent that begins anew is told to run, as all were at the beginning.  In lock step that is
+ * said while the clock stands still, with the step at which it comes, so that it is the same in
+ * every run; a run that is done again has it from the recording. */
 static void part_wake(struct run *r, const struct child *child, double at_s)
 {
     double step_s = r->experiment->step_ms / 1e3;
@@ -239,7 +239,7 @@ static bool process_strike(struct run *r, unsigned index)
     struct child *child = supervise_find(&r->children, child_of(r, c->who, name));
     switch (c->kind) {
     case CHAOS_KILL:
-        /* Who comes back by itself has died as if nobody had meant it. */
+        /* A process that comes back by itself counts as one that died by accident. */
         child->struck = chaos_restarts(r, index) || !run_restarts(r, child);
         if (child->struck) {
             run_mail_keep(r, name);

@@ -15,7 +15,7 @@
 
 /**
  * Checks what needs the world: things that are named; takes memory, and makes the table of traffic
- * if somebody's is struck.
+ * if any is struck.
  *
  * @return MU_OK; MU_FAULT_FILE: no such thing; MU_FAULT_OS, explained
  */

@@ -2,9 +2,9 @@
 /*
  * What of an experiment's chaos cannot be done, before anything starts.
  *
- * In lock step the clock waits for whoever is dead, stopped or cut off: no simulated time passes
- * until he is back.  So nothing that is due later can bring him back, and no simulated time can
- * count how long he is away.
+ * In lock step the clock waits for a process that is dead, stopped or cut off: no simulated time
+ * passes until it is back. So nothing that is due later can bring it back, and no simulated time
+ * can count how long it is away.
  */
 #include "run/chaos.h"
 
@@ -53,7 +53,7 @@ static bool is_killed_then(const struct run *r, unsigned index)
     return false;
 }
 
-/* Whom the chaos is to start again. */
+/* The process that the chaos is to start again. */
 static mu_result return_check(const struct run *r, const struct experiment_chaos *c,
                               struct mu_fault *fault)
 {
@@ -95,7 +95,7 @@ static bool is_broker(const struct run *r, const char *part)
     return is;
 }
 
-/* In lock step a run ends with who does not come back. */
+/* In lock step a run ends with a process that does not come back. */
 static mu_result kill_check(const struct run *r, unsigned index, struct mu_fault *fault)
 {
     const struct experiment_chaos *c = &r->experiment->chaos[index];
@@ -119,7 +119,7 @@ static mu_result kill_check(const struct run *r, unsigned index, struct mu_fault
                              "on-crash: restart");
 }
 
-/* Who is away takes the clock with him. */
+/* The clock stands while a process is away. */
 static bool stops_clock(const struct experiment_chaos *c)
 {
     return c->kind == CHAOS_KILL || c->kind == CHAOS_STOP || c->kind == CHAOS_CUT ||

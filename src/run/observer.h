@@ -3,7 +3,7 @@
  * @file observer.h
  * Lines on the console of the global controller: (you-do robots wander), (suspend red), ...
  *
- * What a line says, and no more: whom it reaches and what becomes of it is run_observer.c's.  Pure.
+ * What a line says, and no more: its receivers and what becomes of it are run_observer.c's.  Pure.
  */
 #ifndef MUSTER_RUN_OBSERVER_H
 #define MUSTER_RUN_OBSERVER_H

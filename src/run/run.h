@@ -71,7 +71,7 @@ struct run {
     struct run_observer *console;          /* of the observer */
     struct run_inputs *inputs;             /* of a recording; NULL: there are none */
     struct chaos *chaos;                   /* NULL: the experiment has none */
-    struct traffic *traffic;               /* NULL: nobody's packets are struck */
+    struct traffic *traffic;               /* NULL: no packets are struck */
     const char *struck[TRAFFIC_PARTS_MAX]; /* children whose packets may be, from 1 on */
     unsigned struck_count;
     struct bus_reader status, broker_status;
@@ -90,7 +90,7 @@ struct run {
     const char *undone[RUN_UNDONE_MAX]; /* what the experiment named and did not happen */
     size_t undone_count;
     bool command_refused; /* by the trust policy, before the run has begun */
-    bool command_unknown; /* nobody fits what a command of the observer is for */
+    bool command_unknown; /* no agent fits what a command of the observer is for */
     uint64_t directives_sent, directives_kept; /* receipts say: the broker has them */
     uint64_t pages_sent, pages_answered;       /* of the robots' groups and services */
     uint64_t began_wall_ns, progress_wall_ns, round_wall_ns;
@@ -187,7 +187,7 @@ bool run_monitors_start(const struct run *r);
 /** @return whether every monitor sees the run, and has its name if it is to have one */
 bool run_monitors_ready(const struct run *r);
 
-/** Writes the names of those who do not see the run yet, for people. */
+/** Writes the names of monitors that do not see the run yet, for people. */
 void run_monitors_missing(const struct run *r, char *text, size_t size);
 
 /** Says of monitors that have died while the run lives that they are no more. */

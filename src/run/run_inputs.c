@@ -22,7 +22,7 @@ struct sender {
     bool refused;
 };
 
-/* A sensor that somebody switched for a while. */
+/* A sensor that was switched for a while. */
 struct hand {
     char source[MU_PROCESS_MAX + 1];
     uint64_t seq;
@@ -60,7 +60,7 @@ void run_inputs_join(struct run_inputs *in, mu_process *process, mu_agent *obser
     in->simulator = simulator;
 }
 
-/* --- who said it ------------------------------------------------------------------------------ */
+/* --- senders ---------------------------------------------------------------------------------- */
 
 static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
 {

@@ -16,7 +16,7 @@ struct run_inputs;
 struct run_inputs *run_inputs_open(const char *path, struct mu_fault *fault);
 
 /**
- * Says who hands it over.
+ * Names the process that hands it over.
  *
  * @param observer  registered; what it says itself must be answered for before the first call
  * @param orders    a writer of RunCommand
@@ -24,7 +24,7 @@ struct run_inputs *run_inputs_open(const char *path, struct mu_fault *fault);
 void run_inputs_join(struct run_inputs *in, mu_process *process, mu_agent *observer,
                      struct bus_writer *orders, const char *simulator);
 
-/** Takes a name that somebody had in the recorded run who may have said nothing: it is in the white
+/** Takes a name of the recorded run, even of an agent that said nothing: it is in the white
  * pages, which rules can look at. */
 void run_inputs_seat(struct run_inputs *in, const char *name);
 
@@ -35,7 +35,7 @@ void run_inputs_seat(struct run_inputs *in, const char *name);
  */
 bool run_inputs_tell(struct run_inputs *in);
 
-/** @return whether somebody's name was refused, or a mail was: the run will go another way */
+/** @return whether a name was refused, or a mail was: the run will go another way */
 bool run_inputs_refused(const struct run_inputs *in);
 
 #endif

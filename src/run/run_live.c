@@ -34,14 +34,14 @@ static const int STOP_PATIENCE_MS = 2000;
 static const int LAST_PATIENCE_MS = 10000; /* for what the report needs */
 /* The simulator says something every second, whatever it waits for. */
 static const uint64_t SILENCE_NS = 6000000000u;
-/* How long the word that the run is over may take, when somebody has ended well, or not. */
+/* How long the word that the run is over may take, when a process has ended well, or not. */
 static const uint64_t END_PATIENCE_NS = 5000000000u, CRASH_PATIENCE_NS = 100000000;
-/* A round that took longer was not ours alone: the machine slept, or somebody stopped us all. */
+/* A round that took longer was not ours alone: the machine slept, or all of us were stopped. */
 static const uint64_t ROUND_COUNTS_NS = 100000000;
 
 /* --- files ------------------------------------------------------------------------------------ */
 
-/* An experiment of somebody else's does nothing here but with muster's own programs. */
+/* Another user's experiment does nothing here but with muster's own programs. */
 static mu_result programs_check(const struct run *r, struct mu_fault *fault)
 {
     const struct experiment *e = r->experiment;
@@ -170,7 +170,7 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
     }
 }
 
-/* Whoever may direct the observer has a console on it. */
+/* An agent that may direct the observer has a console on it. */
 static void on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
 {
     (void)a;
@@ -341,8 +341,8 @@ static void hosts_excuse(struct run *r)
     }
 }
 
-/* Who has ended well has done so because the run is over: the simulator says so before, but on a
- * busy machine the word may still be on its way.  @return whether it comes */
+/* A process that has ended well has done so because the run is over: the simulator says so before,
+ * but on a busy machine the word may still be on its way.  @return whether it comes */
 static bool end_comes(struct run *r, const struct child *ended)
 {
     bool well = WIFEXITED(ended->status) && WEXITSTATUS(ended->status) == 0;

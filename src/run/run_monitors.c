@@ -3,7 +3,7 @@
  * Monitors of an experiment: processes beside the run.
  *
  * The run begins when they see it, so that they miss no step of it that they are fast enough for;
- * from then on nobody waits for them, and their death is told and ends nothing.
+ * from then on no process waits for them, and their death is told and ends nothing.
  */
 #include "run/run.h"
 

@@ -118,7 +118,7 @@ static void target_end(struct order *o, struct target *t, bool good, const char 
     mu_text_format(&o->answer, "%s: %s%s", t->name, what, len && what[len - 1] == '\n' ? "" : "\n");
 }
 
-/* --- whom a line is for ----------------------------------------------------------------------- */
+/* --- the receivers of a line ------------------------------------------------------------------ */
 
 static void target_add(struct order *o, const char *name)
 {
@@ -345,7 +345,7 @@ bool run_observer_take(struct run *r, const struct mu_mail *mail)
 }
 
 static void probe_end(struct run *r, struct order *o, struct target *t, enum probe_end end,
-                       const char *text)
+                      const char *text)
 {
     t->glance = 0;
     t->declined = true;
@@ -395,7 +395,7 @@ uint64_t run_observer_receipt(struct run *r, uint64_t first_seq, uint64_t last_s
     return count;
 }
 
-/* @return whether somebody is still waited for */
+/* @return whether an agent is still waited for */
 static bool order_waits(struct run *r, struct order *o)
 {
     bool waits = false, room = true;

@@ -9,8 +9,8 @@
 #include <string.h>
 #include <sys/wait.h>
 
-static const uint64_t PAUSE_NS = 500000000; /* before the first time: who died is missed after a
-                                              second; doubled for each one more */
+static const uint64_t PAUSE_NS = 500000000; /* before the first time: a dead process is missed after
+                                              a second; doubled for each one more */
 static const uint64_t PAUSE_MAX_NS = 2000000000;
 
 /* What is wrong with its files or its command line is so the next time, too. */
@@ -71,7 +71,7 @@ static bool child_restart(struct run *r, struct child *child)
     return true;
 }
 
-/* --- who comes back without a checkpoint ------------------------------------------------------ */
+/* --- processes without a checkpoint ----------------------------------------------------------- */
 
 /* @return whether it is there, in its new process */
 static bool robot_is_there(const struct run *r, const char *name, const struct child *child,
@@ -93,7 +93,7 @@ static bool crew_is_there(const struct run *r, const struct experiment_crew *cre
     return all;
 }
 
-/* While steps run nobody is in standby who was started once: this one begins anew. */
+/* While steps run no agent is in standby that was started once: this one begins anew. */
 static void crew_begin(struct run *r, const struct experiment_crew *crew, const struct child *child)
 {
     for (unsigned i = 0; i < crew->count; i++) {

@@ -11,9 +11,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum {
-    RECORD_FULL_MAX = 64
-}; /* robots whose percepts are recorded unless somebody asks for them */
+enum { RECORD_FULL_MAX = 64 }; /* robots whose percepts are recorded without being asked for */
 
 /* What the next new child is. */
 static void part_note(struct run *r, enum run_kind kind, unsigned index)
@@ -168,8 +166,8 @@ static mu_result simulator_start(struct run *r)
     return child_start(r, NULL, "simulator", "muster-sim");
 }
 
-/* Without checkpoints the folder has who has ended.  Each host has one of its own, since it brings
- * back whom it finds there. */
+/* Without checkpoints the folder has the agents that have ended. Each host has one of its own,
+ * since it brings back the agents that it finds there. */
 static void checkpoints_add(const struct run *r, enum experiment_on_crash on_crash,
                             double checkpoint_s, const char *host)
 {

@@ -297,7 +297,7 @@ static void log_write(struct child *child, const char *said, size_t len)
     }
 }
 
-/* A byte, or that nobody holds the other end any more. */
+/* A byte, or that no process holds the other end any more. */
 static void ready_read(struct child *child)
 {
     struct pollfd look = {.fd = child->ready, .events = POLLIN};

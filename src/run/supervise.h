@@ -35,7 +35,7 @@ struct child {
     bool may_leave; /* its end with exit code 0 is none that matters */
     uint32_t restarts;
     uint64_t restart_ns; /* when it is to be started again; 0: it has not died */
-    bool returned;       /* it was started again, and not everybody in it was seen yet */
+    bool returned;       /* it was started again, and not all agents in it were seen yet */
     bool excused;        /* its end, however it came, is none that matters */
     bool struck;         /* its end is meant: chaos.c */
     bool ended;
@@ -107,7 +107,7 @@ bool supervise_is_ready(const struct child *child);
 MU_MUST_USE mu_result supervise_start_again(struct supervise *s, struct child *child,
                                             const char *program, const char *const *argv);
 
-/** Reads what children say and notes who has ended; never blocks. */
+/** Reads what children say and notes which have ended; never blocks. */
 void supervise_look(struct supervise *s);
 
 /** @return whether a child has ended and may not */

@@ -106,7 +106,7 @@ void agent_live(struct mu_agent *a, enum life_event event, const char *by)
     }
 }
 
-/* Nothing of a host stops with its state, nor of somebody special that does not hear of it, such as
+/* Nothing of a host stops with its state, nor of a special agent that does not hear of it, such as
  * a run's observer. */
 static bool life_obeys(const struct mu_agent *a, enum life_event event)
 {

@@ -24,7 +24,7 @@ struct link {
     uint64_t asked_ns;                  /* when it was told of all agents last */
     uint64_t heard_ns;                  /* when the first broker was heard of; 0: none */
     uint64_t looked_ns;                 /* when link_look was here last */
-    uint64_t patient_until_ns;          /* nobody's silence counts before */
+    uint64_t patient_until_ns;          /* no broker's silence counts before */
 };
 
 /** Begins to listen for wanted, or NULL.  @return MU_OK; MU_FAULT_USAGE: no name; MU_FAULT_DDS */

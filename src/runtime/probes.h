@@ -15,7 +15,7 @@
 enum probe_end {
     PROBE_DONE = muster_GLANCE_DONE,         /* text is what the line shows */
     PROBE_FAILED = muster_GLANCE_FAILED,     /* text is why it shows nothing */
-    PROBE_DECLINED = muster_GLANCE_DECLINED, /* nobody has looked, or may: the line can go as a
+    PROBE_DECLINED = muster_GLANCE_DECLINED, /* no agent has looked, or may: the line can go as a
                                                  directive */
 };
 
@@ -28,7 +28,7 @@ struct probes_asked {
     char line[MU_GLANCE_LINE_MAX + 1];
 };
 
-/* A question to this process, until somebody has looked. */
+/* A question to this process, until an agent has looked. */
 struct probes_due {
     uint64_t number;
     char asker[MU_NAME_MAX + 1], agent[MU_NAME_MAX + 1];

@@ -13,7 +13,7 @@ static enum probe_end due_look(mu_process *p, const struct probes_due *due, cons
     return a->probes.look(a->handlers.self, due->line, text);
 }
 
-/* The text is in the Up until that is out; no step is lived, and nobody looks, before. */
+/* The text is in the Up until that is out; no step is lived, and no agent looks, before. */
 static void due_answer(mu_process *p, struct probes_due *due)
 {
     struct probes *g = &p->probes;

@@ -32,7 +32,7 @@ static const int64_t CLOSE_PATIENCE_NS = 200000000;
 
 /* A process that goes on waits so long for an agent's last words, and no longer once it hears its
  * broker: DDS waits for a reader that was killed until the lease of that ends.  The broker refuses
- * nobody who asks for the name before that. */
+ * no agent that asks for the name before that. */
 static const uint64_t LEAVE_PATIENCE_NS = 500000000;
 
 /* A look that is due may be so much late if that saves a wake. */

@@ -52,7 +52,7 @@ struct mu_agent {
     struct kind_part part; /* the state of its kind */
     struct resolver resolver;
     struct probes_handlers probes;
-    returns_handler *on_return;    /* NULL: nobody is told */
+    returns_handler *on_return;    /* NULL: none */
     uint64_t since_wall_ns;        /* since when it has its name */
     uint64_t epoch;                /* how often it has set out for another process */
     char reason[MU_FIELD_MAX + 1]; /* why it is suspended, if it suspended itself */
@@ -188,9 +188,9 @@ struct mu_process {
         busy[MU_FIELD_MAX + 1]; /* that they have run for long, and since when; "": they have not */
     uint64_t busy_since_wall_ns; /* the same; 0: they have not */
     atomic_bool stopped;
-    void (*round)(void *self); /* after each round of mu_process_run; NULL: nobody */
+    void (*round)(void *self); /* after each round of mu_process_run; NULL: none */
     void *round_self;
-    void (*before_up)(void *self); /* the agents' actions are about to go out; NULL: nobody */
+    void (*before_up)(void *self); /* the agents' actions are about to go out; NULL: none */
     void *before_up_self;
     bool (*sees)(const void *self, int64_t step); /* process_see_first; NULL: nothing is awaited */
     const void *sees_self;

@@ -21,7 +21,7 @@ typedef void returns_handler(void *self, mu_agent *a, const char *to, bool direc
                              enum mu_outcome outcome);
 
 /** Tells an agent's handlers (mu_handlers.self) that a mail does not get through, by the
- * broker's first answer.  @param on_return  NULL: nobody is told */
+ * broker's first answer.  @param on_return  NULL: none is told */
 void returns_hear(mu_agent *a, returns_handler *on_return);
 
 /** Takes a receipt, before the outbox forgets the mail. */

@@ -100,7 +100,7 @@ static void part_said(mu_process *p, uint32_t part)
 void roll_write(mu_process *p)
 {
     if (p->link.broker[0] == '\0') {
-        return; /* there is nobody to tell */
+        return; /* there is no receiver */
     }
     for (uint32_t part = 0; part < ROLL_PARTS && p->roll.due_count > 0; part++) {
         if (!p->roll.due[part]) {

@@ -20,7 +20,7 @@ struct roll {
 /** The agent's part is to be written. */
 void roll_mark(struct mu_agent *a);
 
-/** Every part is to be written: somebody has not heard them. */
+/** Every part is to be written: a process has not heard them. */
 void roll_mark_all(mu_process *p);
 
 /** Part 0 is to be written, so that the broker hears that the process lives. */

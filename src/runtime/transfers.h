@@ -25,7 +25,7 @@ struct transfers {
     uint32_t count;
     bool prompt;    /* mail never waits for the next step: an agent may come at any time */
     bool under_way; /* mail does not wait now: an agent of the process is on its way */
-    void *self;     /* of these; NULL: nobody */
+    void *self;     /* of these; NULL: none */
     void (*on_word)(void *self, const muster_Trip *word);
     void (*on_step_end)(void *self); /* before it is answered: words go with the answer, */
     void (*on_answered)(void *self); /* and after that */

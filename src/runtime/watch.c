@@ -235,7 +235,7 @@ static void ready_tell(mu_watch *w)
     w->announced = true;
     if (name && end != name && *end == '\0' && fd > STDERR_FILENO && fd <= INT_MAX) {
         ssize_t written = write((int)fd, "\n", 1);
-        (void)written; /* he has given up */
+        (void)written; /* it has given up */
     }
 }
 

@@ -124,7 +124,7 @@ static mu_result world_prepare(struct world *world, const char *path)
     return loaded;
 }
 
-/* Who starts the simulator knows best, then the world. */
+/* The starter of the simulator knows best, then the world. */
 static uint64_t step_choose(const struct world *world)
 {
     if (set.step_ms > 0) {
@@ -202,7 +202,7 @@ static int engine_make(struct simulator *sim, uint64_t step_ns)
     return good ? MU_EXIT_DONE : MU_EXIT_FILE;
 }
 
-/* How somebody began the run by hand. */
+/* The command by which the run was begun by hand. */
 static const char *command_make(const struct simulator *sim)
 {
     static char bytes[PATH_MAX + 128];

@@ -86,7 +86,7 @@ void mu_stats_begin(mu_stats *s, const struct mu_scene *scene)
 
 /* --- a Frame ---------------------------------------------------------------------------------- */
 
-/* Who comes without a Scene knows names from the Frames alone. */
+/* A user without a Scene knows names from the Frames alone. */
 static void robots_learn(mu_stats *s, const struct mu_frame *f)
 {
     stats_clear(s, f->robot_count);

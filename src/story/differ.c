@@ -213,14 +213,14 @@ bool differ_frames(const muster_Frame *one, const muster_Frame *other, struct di
            all_acts_differ(one, other, d) || digests_differ(one, other, d);
 }
 
-/* The last Frame of a run that did not come to its end: nobody may have acted in that step. */
+/* The last Frame of a run that did not come to its end: perhaps no agent acted in that step. */
 static bool left_differs(const muster_Frame *one, const muster_Frame *other, struct difference *d)
 {
     *d = (struct difference){.step = one->step};
     return numbers(d, "", "step", one->step, other->step) || bodies_differ(one, other, d);
 }
 
-/* Whoever died may have answered the last step in one life, and not in the other. */
+/* An agent that died may have answered the last step in one life, and not in the other. */
 static bool both_broke_off(const struct recording *one, const struct recording *other)
 {
     return recording_end(one) == RECORDING_FAULT && recording_end(other) == RECORDING_FAULT;

@@ -201,7 +201,7 @@ static double wanted_ns(const struct recording *r)
     return round(strtod(recording_note(r, "duration_s"), NULL) * 1e9);
 }
 
-/* A run that somebody stops says that it is done: how far it was to go tells. */
+/* A run that is stopped says that it is done: how far it was to go tells. */
 enum recording_end recording_end(const struct recording *r)
 {
     if (r->steps_count == 0) {

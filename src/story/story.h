@@ -19,7 +19,7 @@
 /* --- interventions.c -------------------------------------------------------------------------- */
 
 /*
- * Who had a hand in a recorded robot: pushes, placements, resets, sensors switched on and off.
+ * Manual changes of a recorded robot: pushes, placements, resets, sensors switched on and off.
  *
  * Pure: orders are added in the order of steps, then anything can be asked of any step.  The last
  * INTERVENTIONS_MAX are kept.
@@ -173,9 +173,9 @@ struct recording_step {
 /* How a recorded run ended. */
 enum recording_end {
     RECORDING_DONE,    /* with its last step */
-    RECORDING_STOPPED, /* before: somebody ended it.  The last Frame is how the world was left */
-    RECORDING_FAULT,   /* before: somebody was silent, say.  The last Frame is a step like others */
-    RECORDING_CUT      /* nobody knows.  The last Frame is one or the other */
+    RECORDING_STOPPED, /* before: it was ended.  The last Frame is how the world was left */
+    RECORDING_FAULT, /* before: a process was silent, say.  The last Frame is a step like others */
+    RECORDING_CUT    /* not known.  The last Frame is one or the other */
 };
 
 struct recording {
@@ -233,7 +233,7 @@ void recording_close(struct recording *r);
 
 /* --- differ.c --------------------------------------------------------------------------------- */
 
-/* Where two recordings of one run part: the first step, who, and which value. */
+/* Where two recordings of one run part: the first step, the agent, and the value. */
 
 enum { DIFFER_WHAT_MAX = 64, DIFFER_VALUE_MAX = 160 };
 
@@ -276,7 +276,7 @@ struct stall {
 /**
  * Finds the stalls of a robot.
  *
- * @param robot  in every Frame; MU_NONE: somebody without a body, who has none
+ * @param robot  in every Frame; MU_NONE: an agent without a body, which has none
  * @param most  room for so many
  * @return how many there are, more than most if there was no room; the first are filled
  */
@@ -298,8 +298,8 @@ uint32_t stalls_robot(struct recording *r, const char *name);
 /* Where a chain ends. */
 enum why_end {
     WHY_SENSED = 1,       /* a percept */
-    WHY_MAIL = 2,         /* a mail of somebody without a diary */
-    WHY_LINE = 4,         /* somebody's line */
+    WHY_MAIL = 2,         /* a mail of an agent without a trace */
+    WHY_LINE = 4,         /* a line from a console */
     WHY_EVENT = 8,        /* something in the agent's life, such as on-run */
     WHY_RULES = 16,       /* what the rule file says at the start */
     WHY_UNKNOWN = 32,     /* the diary had no room for it */
@@ -314,10 +314,10 @@ struct why {
 };
 
 /**
- * Adds the chain of the speed that a robot's motors had at a step, an indented line each, and who
- * had a hand in the body since the speed was set.
+ * Adds the chain of the speed that a robot's motors had at a step, an indented line each, and the
+ * manual changes of the body since the speed was set.
  *
- * @return ends, bits of enum why_end; 0: no speed was ever set, and nobody had a hand in it
+ * @return ends, bits of enum why_end; 0: no speed was ever set, and there was no manual change
  */
 uint32_t why_speed(const struct why *w, int32_t robot, uint32_t step);
 

@@ -53,14 +53,14 @@ static void watchers_tell(struct console *c)
     }
 }
 
-/* What belongs to a line goes to who typed it, the rest to all who watch. */
+/* What belongs to a line goes to the page that typed it, the rest to all that watch. */
 static void on_show(void *self, enum console_kind kind, uint64_t line, const char *text)
 {
     struct console *c = self;
     const struct console_ask *ask = line ? ask_find(c, line) : NULL;
     struct viewer *to = ask ? viewers_find(c->all->viewers, ask->viewer) : NULL;
     if (line && !to) {
-        return; /* who asked has left */
+        return; /* the page that asked has left */
     }
     said_write(c, kind, ask ? ask->number : 0, text);
     if (to) {
@@ -208,7 +208,7 @@ static bool is_watched(const struct console *c)
     return false;
 }
 
-/* @return a place: a free one, else the one that nobody has needed for longest; NULL: none */
+/* @return a place: a free one, else the one that was not needed for longest; NULL: none */
 static struct console *place_find(struct consoles *c)
 {
     struct console *oldest = NULL;
@@ -427,9 +427,9 @@ enum consoles_outcome consoles_complete(struct consoles *c, const char *agent, c
     return CONSOLES_DONE;
 }
 
-/* --- who watches ------------------------------------------------------------------------------ */
+/* --- watchers --------------------------------------------------------------------------------- */
 
-/* @return whether somebody watches now */
+/* @return whether a page watches now */
 static bool watchers_set(struct console *k, uint64_t viewer, bool on)
 {
     uint64_t *free_place = NULL;
@@ -490,7 +490,7 @@ void consoles_round(struct consoles *c)
     for (size_t i = 0; i < CONSOLES_MAX && c->state == CONSOLES_IN; i++) {
         struct console *k = &c->all[i];
         if (k->used) {
-            attachment_match(k, watchers_set(k, 0, false)); /* those who have left */
+            attachment_match(k, watchers_set(k, 0, false)); /* pages that have left */
             console_link_round(&k->link);
             silence_tell(k);
             tabs_round(k);

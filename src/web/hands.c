@@ -139,7 +139,7 @@ static mu_result order_send(struct hands *h, muster_RunCommand *c)
     if (!place_find(h, c)) {
         return refuse(h, MU_FULL, "too many orders wait for their answers");
     }
-    c->simulator = (char *)(uintptr_t)h->watch->simulator; /* nobody writes there */
+    c->simulator = (char *)(uintptr_t)h->watch->simulator; /* there is no writer */
     c->source = source;
     c->seq = mu_clock_wall_ns(); /* higher than that of every order before */
     if (bus_write(&h->commands, c) != MU_OK) {
@@ -148,7 +148,7 @@ static mu_result order_send(struct hands *h, muster_RunCommand *c)
     return MU_OK;
 }
 
-/* Keeps what there is to tell of an order that is out, but for who has asked. */
+/* Keeps what there is to tell of an order that is out, but the page that has asked. */
 static struct hands_ask *ask_put(struct hands *h, const muster_RunCommand *c, const char *line)
 {
     struct hands_ask *ask = place_find(h, c);
@@ -214,7 +214,7 @@ static void end_tell(struct hands *h, const struct hands_ask *ask, struct viewer
     viewers_send(h->viewers, to);
 }
 
-/* Everybody sees what it does to the world, and whoever has asked may be another viewer by now. */
+/* All pages see what it does to the world, and the page that asked may be another viewer by now. */
 static void ask_end(struct hands *h, struct hands_ask *ask, const struct hands_end *end)
 {
     for (size_t i = 0; i < VIEWERS_MAX; i++) {

@@ -57,7 +57,7 @@ size_t beams_write(char text[BEAMS_TEXT], const float *range_m, size_t count);
  *     laser     likewise
  *     fired     [robot's index, how many, rules], ...
  *     mails     [from, to, performative, content], ...
- *     goals     what each robot wants, "" for who does not say; empty when nobody does
+ *     goals     what each robot wants, "" for one that does not say; empty when none does
  *     orders    [source, order, name], ...
  *
  * Pure.
@@ -161,8 +161,8 @@ void mind_json_write(struct mu_json *j, const char *key, const struct minds *min
 /* --- pages.c ---------------------------------------------------------------------------------- */
 
 /*
- * The white pages, as brokers publish them for whoever looks: who has no agent is told no others.
- * Pure.
+ * The white pages, as brokers publish them for watchers: a process without an agent is told no
+ * others. Pure.
  */
 
 enum { PAGES_LINES_MAX = 2048, PAGES_WORD_MAX = 15 };
@@ -172,7 +172,7 @@ struct pages_line {
     char kind[PAGES_WORD_MAX + 1], state[PAGES_WORD_MAX + 1];
     char host[MU_FIELD_MAX + 1];
     char reason[MU_FIELD_MAX + 1]; /* why it is in that state; "": it did not say */
-    char broker[MU_NAME_MAX + 1];  /* who said it last, */
+    char broker[MU_NAME_MAX + 1];  /* the agent that said it last, */
     uint32_t part;                 /* in this part of its pages */
     uint64_t turn;                 /* when */
 };
@@ -193,7 +193,7 @@ void pages_take(struct pages *p, const muster_Page *page);
 
 /**
  * Writes them as one object: a list of [name, kind, state, host, reason], in the order in which
- * they came; without those who only look.
+ * they came; without those that only look.
  */
 void pages_write(struct mu_json *j, const struct pages *p);
 

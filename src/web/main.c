@@ -82,7 +82,7 @@ static mu_result secrets_make(struct web *w, bool read_only)
     return MU_OK;
 }
 
-/* The run's, if somebody has not said which.  @return whether there is one that it can be */
+/* The run's, if none was named.  @return whether there is one that it can be */
 static bool domain_choose(struct settings *set)
 {
     int domain = (int)set->network.domain;

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdio.h>
 
-/* A tenth of a millimetre is more than anybody sees. */
+/* A tenth of a millimetre is more than the eye sees. */
 static void number_write(struct mu_json *j, const char *key, double value)
 {
     mu_json_real(j, key, round(value * 1e4) / 1e4);

@@ -34,7 +34,7 @@ struct server {
     struct server_parts parts;
     struct MHD_Daemon *daemon;
     struct MHD_Response *assets[SERVER_ASSETS_MAX];
-    struct MHD_Response *scene; /* the board's, made when somebody wants it; NULL: none */
+    struct MHD_Response *scene; /* the board's, made on request; NULL: none */
     uint64_t scene_version;     /* that it has */
     struct request requests[SERVER_CONNECTIONS_MAX];
     struct lobby lobby;
@@ -89,7 +89,7 @@ static enum MHD_Result line_answer(struct MHD_Connection *c, unsigned status, co
     return text_answer(c, status, "text/plain; charset=utf-8", &text);
 }
 
-/* One copy is for all who fetch it: it may be large, and they may read slowly. */
+/* One copy is for all that fetch it: it may be large, and they may read slowly. */
 static enum MHD_Result scene_answer(struct server *s, struct MHD_Connection *c)
 {
     const struct board *b = s->parts.board;
@@ -212,7 +212,7 @@ static uint64_t number_read(struct MHD_Connection *c, const char *header, int ba
     return value ? strtoull(value, NULL, base) : 0;
 }
 
-/* Who asks, and what he calls the question. */
+/* The page that asks, and what it calls the question. */
 struct asker {
     uint64_t viewer, number;
 };
@@ -368,7 +368,7 @@ static enum MHD_Result look_answer(struct server *s, struct MHD_Connection *c, c
     return MHD_NO;
 }
 
-/* The first word of a request: who is refused is so before it says more. */
+/* The first word of a request: a client is refused before it says more. */
 static enum MHD_Result request_begin(struct server *s, struct MHD_Connection *c, const char *method,
                                      const struct target *t, void **own)
 {
@@ -527,7 +527,7 @@ void server_run(struct server *s, uint64_t now_ns)
     MHD_run(s->daemon);
 }
 
-/* The library wants nobody asleep when it ends. */
+/* The library wants no thread asleep when it ends. */
 void server_close(struct server *s)
 {
     viewers_wake(s, true);

@@ -21,7 +21,7 @@ struct viewer *viewers_take(struct viewers *v)
             continue;
         }
         viewer->used = true;
-        viewer->id = mu_random_next(&v->random) | 1u; /* 0 is nobody */
+        viewer->id = mu_random_next(&v->random) | 1u; /* 0 is none */
         viewer->connection = NULL;
         viewer->sleeps = false;
         stream_clear(&viewer->stream);

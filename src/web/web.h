@@ -45,7 +45,7 @@ const struct asset *assets_at(size_t index);
  *
  * Only this machine reaches the port; what is kept out here is the rest of the browser: other sites
  * that resolve their own name to 127.0.0.1 (Host), that write to us from elsewhere (Origin,
- * Sec-Fetch-Site), and everybody who was not given the token, as soon as something is to be done.
+ * Sec-Fetch-Site), and all that were not given the token, as soon as something is to be done.
  * Pure.
  */
 
@@ -59,12 +59,12 @@ enum guard_verdict {
     GUARD_METHOD,    /* neither GET, HEAD nor POST, or not here */
     GUARD_PATH,      /* there is no such page */
     GUARD_TOKEN,     /* it wants to act, and has not got the token */
-    GUARD_READ_ONLY, /* nobody may act here */
+    GUARD_READ_ONLY, /* no page may act here */
     GUARD_SIZE,      /* more to say than a line may have */
     GUARD_VERDICTS
 };
 
-/* What a path is good for; two are for who acts. */
+/* What a path is good for; two are for acting. */
 enum guard_use { GUARD_NOTHING, GUARD_LOOK, GUARD_ACT };
 
 /* The parts of a request that count; a header that is not there is NULL. */
@@ -135,7 +135,7 @@ struct target target_find(const char *path);
  * The connections that hold no stream: half a request, or none.
  *
  * All that come from this machine have one address.  So no limit for an address keeps a place free
- * for others: who waits longest makes room, and nobody waits longer than ten seconds.
+ * for others: the longest waiter makes room, and none waits longer than ten seconds.
  */
 
 enum { LOBBY_MAX = 48 };
@@ -157,7 +157,7 @@ void lobby_enter(struct lobby *l, int fd, uint64_t now_ns);
 /** It is closed, or has a stream. */
 void lobby_leave(struct lobby *l, int fd);
 
-/** Shuts down who has waited too long. */
+/** Shuts down connections that have waited too long. */
 void lobby_round(struct lobby *l, uint64_t now_ns);
 
 /* --- board.c ---------------------------------------------------------------------------------- */
@@ -170,7 +170,7 @@ void lobby_round(struct lobby *l, uint64_t now_ns);
  */
 
 enum board_item {
-    BOARD_RUN,        /* how far the run is, who is the broker */
+    BOARD_RUN,        /* how far the run is, which is the broker */
     BOARD_SCENE,      /* that there is another scene */
     BOARD_FRAME,      /* one step */
     BOARD_STATISTICS, /* totals since the run began */
@@ -214,7 +214,7 @@ enum board_ended {
 /** Ends it. */
 enum board_ended board_end(struct board *b);
 
-/** Takes an event away: who has not seen it does not see it any more. */
+/** Takes an event away: a page that has not seen it does not see it any more. */
 void board_drop(struct board *b, enum board_item item);
 
 /** Starts an event of any name, for one viewer: the head, and JSON behind it. */
@@ -305,7 +305,7 @@ struct viewer *viewers_find(struct viewers *v, uint64_t id);
 /** Begins an event for single viewers.  @return where its JSON goes, one object */
 struct mu_json *viewers_begin(struct viewers *v, const char *name);
 
-/** Ends the event, once, before it goes to whom it is for. */
+/** Ends the event, once, before it goes to its receivers. */
 void viewers_end(struct viewers *v);
 
 /** Puts the event into a viewer's stream; when that is full the viewer is told so later. */
@@ -315,9 +315,9 @@ void viewers_send(struct viewers *v, struct viewer *to);
 
 /*
  * The consoles of all pages: lines that people type go to agents, and what agents say comes back to
- * who has asked, or who watches.
+ * the page that asked, or that watches.
  *
- * Until somebody acts no agent joins: a page that is only looked at changes nothing in a run.  Then
+ * Until a page acts no agent joins: a page that is only looked at changes nothing in a run.  Then
  * one agent, operator-N, speaks for all pages.
  */
 
@@ -328,7 +328,7 @@ enum {
     CONSOLES_TAB_BYTES = 128 /* of a word with the character before it */
 };
 
-/* A line that waits for its end, and who has asked. */
+/* A line that waits for its end, and the page that has asked. */
 struct console_ask {
     uint64_t line;   /* 0: free */
     uint64_t viewer; /* id */
@@ -350,7 +350,7 @@ struct console {
     struct console_ask asks[CONSOLES_ASKS_MAX];
     struct console_tab tabs[CONSOLES_TABS_MAX];
     uint64_t watchers[VIEWERS_MAX]; /* ids; 0: free */
-    uint64_t used_ns;               /* when somebody did something with it last */
+    uint64_t used_ns;               /* when a page did something with it last */
     struct consoles *all;
 };
 
@@ -452,7 +452,7 @@ enum {
     HANDS_SAID_MAX = 319
 };
 
-/* An order that the simulator has not answered yet, and who wants to know. */
+/* An order that the simulator has not answered yet, and the page that wants to know. */
 struct hands_ask {
     uint64_t seq; /* 0: free */
     uint64_t viewer, number;
@@ -571,9 +571,9 @@ const struct mu_text *past_tracks(struct past *p);
  *     frame       as frame_json.c has it
  *     statistics  as frame_json_totals
  *     lately      [step, from, to, performative, content], ...    mails of the steps before it
- *     mind        as mind_json.c has it, if somebody's was asked for
+ *     mind        as mind_json.c has it, if one was asked for
  *
- * @param robot  whose mind; "": nobody's
+ * @param robot  whose mind; "": none
  * @return the text, good until the next question; NULL: there is no step at all, or it is too long
  */
 const struct mu_text *past_moment(struct past *p, int64_t step, const char *robot);
@@ -606,8 +606,8 @@ void past_close(struct past *p);
  *     POST /world        an order to the world: place red 1 2; in lines behind it: at S, when
  * CONDITION
  *
- * A POST needs X-Muster-Token, and says by X-Muster-Viewer and X-Muster-Ask who asks and what he
- * calls the question.  The library parses, limits and answers; it allocates on its own.
+ * A POST needs X-Muster-Token, and says by X-Muster-Viewer and X-Muster-Ask which page asks and
+ * what it calls the question.  The library parses, limits and answers; it allocates on its own.
  */
 
 struct server;
@@ -616,7 +616,7 @@ struct server_parts {
     struct guard *guard;
     struct board *board;
     struct viewers *viewers;
-    struct consoles *consoles; /* NULL: nobody acts here */
+    struct consoles *consoles; /* NULL: no page acts here */
     struct hands *hands;       /* likewise */
     struct past *past;         /* NULL: no recording */
     int domain;

@@ -49,7 +49,7 @@ static bool is_for_later(const struct request *r)
     return r->set->at_s >= 0 || r->set->when;
 }
 
-/* Whoever it names may be there: the simulator knows. */
+/* The body that it names may be there: the simulator knows. */
 static int body_any(const void *self, const char *name)
 {
     (void)self;
@@ -79,7 +79,7 @@ static bool later_read(struct request *r)
         r->command.due_ns = (uint64_t)llround(r->set->at_s * 1e9);
     }
     if (r->set->when) {
-        r->command.when = (char *)(uintptr_t)r->set->when; /* nobody writes there */
+        r->command.when = (char *)(uintptr_t)r->set->when; /* there is no writer */
         return condition_good(r);
     }
     return true;
@@ -189,7 +189,7 @@ static void answer_await(struct line *l, const struct request *r)
     }
 }
 
-/* The simulator has it, and does it when its time has come, whoever waits for that. */
+/* The simulator has it, and does it when its time has come, with or without a waiter. */
 static int waits_tell(const struct request *r)
 {
     if (r->set->json) {

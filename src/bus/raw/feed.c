@@ -92,7 +92,7 @@ static dds_qos_t *group_qos(const char *const *partitions, size_t count)
     return qos;
 }
 
-/* Opens a reader of the topic where nobody writes, and closes it again. */
+/* Opens a reader of the topic where no process writes, and closes it again. */
 static const struct ddsi_sertype *type_find(const struct bus *bus, dds_entity_t topic)
 {
     static struct witness witness; /* a reader that goes is done with it later */
@@ -117,7 +117,7 @@ static mu_result writer_open(struct feed *feed, const struct bus *bus, dds_entit
     return feed->type && feed->out.writer > 0 ? MU_OK : MU_FAULT_DDS;
 }
 
-/* Nothing is overwritten that a reader does not have; who comes late gets what he would have. */
+/* Nothing is overwritten that a reader does not have; a late reader gets what it would have. */
 static void history_widen(dds_qos_t *qos, dds_history_kind_t kind, int32_t depth)
 {
     dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);
@@ -182,7 +182,7 @@ mu_result feed_open_foreign(struct feed *feed, struct bus *bus, const struct fee
 static struct ddsi_serdata *sample_make(const struct feed *feed, enum ddsi_serdata_kind kind,
                                         const void *bytes, size_t size)
 {
-    /* Nobody writes through it. */
+    /* Nothing is written through it. */
     ddsrt_iovec_t all = {.iov_base = (void *)(uintptr_t)bytes, .iov_len = size};
     return size >= 4 ? ddsi_serdata_from_ser_iov(feed->type, kind, 1, &all, size) : NULL;
 }

@@ -28,7 +28,7 @@ struct bus_bytes {
 
 /**
  * Turns a sample into the bytes that would go out for it: CDR, little-endian, version 1, with its
- * encapsulation, for whoever keeps samples in a file.
+ * encapsulation, for programs that keep samples in a file.
  *
  * @param to  zero at first; data is good until the next call with it
  * @return MU_OK; MU_MALFORMED: an enumeration has a value that its type does not know
@@ -39,7 +39,7 @@ MU_MUST_USE mu_result bus_encode(enum bus_topic topic, const void *sample, struc
 void bus_bytes_free(struct bus_bytes *bytes);
 
 /**
- * Turns such bytes into a sample again, for whoever reads a recording; they are checked as samples
+ * Turns such bytes into a sample again, for readers of a recording; they are checked as samples
  * from the network are.
  *
  * @param bytes   its numbers are put in this machine's order
@@ -83,8 +83,8 @@ void offer_read(const char *words, dds_qos_t *qos);
 /*
  * That an instance was disposed or has no writers any more, as a message of a recording.
  *
- * It is a small message of its own type, on a channel beside that of the topic's samples, so that
- * whoever decodes a topic by its definition finds nothing but samples there.
+ * It is a small message of its own type, on a channel beside that of the topic's samples, so that a
+ * program that decodes a topic by its definition finds only samples there.
  */
 
 enum gone_what {
@@ -120,7 +120,7 @@ enum gone_what gone_read(const void *bytes, size_t size, const void **key, size_
 /* --- schema.c -------------------------------------------------------------------------------- */
 
 /*
- * A type as text, for whoever reads recordings: made from what the type says of itself on DDS.
+ * A type as text, for readers of recordings: made from what the type says of itself on DDS.
  *
  * The text is a ROS 2 message definition ("ros2msg"), with all types that it is made of, because
  * most tools know that one.  An enumeration becomes an integer, and its words constants.
@@ -184,7 +184,8 @@ MU_MUST_USE mu_result type_bytes_topic(dds_entity_t participant, const void *byt
 /* --- tap.c ----------------------------------------------------------------------------------- */
 
 /*
- * Topics as bytes: for who records samples without looking into them, of our topics and of any.
+ * Topics as bytes: for programs that record samples without looking into them, of our topics and of
+ * any.
  *
  * A tap is a reader of one topic in every partition.  It asks for what the writers offer, so that a
  * reliable writer is read reliably; it keeps the last TAP_DEPTH samples of an instance until they
@@ -223,14 +224,14 @@ struct tap_offer {
 
 typedef void tap_taker(void *self, struct tap *tap, const struct tap_sample *sample);
 
-/* Who is asked for what there is on the network. */
+/* The source of what there is on the network. */
 struct tap_watch {
     struct bus *bus;
     int32_t publications, subscriptions;
     uint64_t looked_ns; /* when all were looked at last, not the new ones alone */
 };
 
-/** Opens a tap of one of our topics, before there is anybody.  @return MU_OK or MU_FAULT_DDS */
+/** Opens a tap of one of our topics, before there is a writer.  @return MU_OK or MU_FAULT_DDS */
 MU_MUST_USE mu_result tap_open(struct tap *tap, struct bus *bus, enum bus_topic topic);
 
 /** Looks for topics from now on. */
@@ -280,7 +281,7 @@ void tap_profile(const struct tap *tap, const struct tap_offer *offer, struct mu
 /* --- feed.c ---------------------------------------------------------------------------------- */
 
 /*
- * Bytes to topics: for who replays samples that a tap or the simulator has recorded.
+ * Bytes to topics: for programs that replay samples that a tap or the simulator has recorded.
  *
  * A feed is a writer of one of our topics, or of any whose type a tap has kept.  It keeps each
  * sample until every reliable reader has it, however fast they come.
@@ -310,7 +311,7 @@ MU_MUST_USE mu_result feed_open(struct feed *feed, struct bus *bus, enum bus_top
                                 const char *first, const char *second);
 
 /**
- * Opens a feed of a topic that is not ours, for whoever read what was recorded: it offers what the
+ * Opens a feed of a topic that is not ours, from what was recorded: it offers what the
  * writer did, and is reliable.
  *
  * @return MU_OK; MU_MALFORMED: the bytes are no such type; MU_REFUSED: there can be no such writer

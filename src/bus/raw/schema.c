@@ -285,7 +285,7 @@ mu_result schema_write(const dds_topic_descriptor_t *d, struct mu_text *name, st
     if (!(d->m_flagset & DDS_TOPIC_XTYPES_METADATA)) {
         return MU_ABSENT;
     }
-    /* Nobody writes through these. */
+    /* Nothing is written through these. */
     struct ddsi_sertype_cdr_data info_bytes = {d->type_information.sz,
                                                (uint8_t *)(uintptr_t)d->type_information.data};
     struct ddsi_sertype_cdr_data map_bytes = {d->type_mapping.sz,

@@ -65,7 +65,7 @@ mu_result tap_open(struct tap *tap, struct bus *bus, enum bus_topic topic)
     return tap->reader > 0 ? MU_OK : MU_FAULT_DDS;
 }
 
-/* Has the type from whoever describes it.  @return the topic, or below 0 */
+/* Has the type from a process that describes it.  @return the topic, or below 0 */
 static dds_entity_t foreign_topic(struct bus *bus, const struct tap *t,
                                   dds_builtintopic_endpoint_t *endpoint)
 {
@@ -134,7 +134,7 @@ static bool offers_durable(const dds_builtintopic_endpoint_t *e)
     return kind >= DDS_DURABILITY_TRANSIENT_LOCAL;
 }
 
-/* A reader has both kinds of instances from nobody: each has a tap of its own. */
+/* No writer gives a reader both kinds of instances: each has a tap of its own. */
 static bool offers_exclusive(const dds_builtintopic_endpoint_t *e)
 {
     dds_ownership_kind_t kind = DDS_OWNERSHIP_SHARED;

@@ -43,7 +43,7 @@ bool tap_offer(const struct tap *tap, uint64_t writer, struct tap_offer *offer)
     return e != NULL;
 }
 
-/* Asks for the type of a topic that is open.  @return NULL: nobody says it */
+/* Asks for the type of a topic that is open.  @return NULL: no process says it */
 static dds_topic_descriptor_t *foreign_type(const struct tap *tap)
 {
     dds_typeinfo_t *info = NULL;

@@ -49,7 +49,7 @@ size_t type_bytes_write(const dds_topic_descriptor_t *d, void *to, size_t size,
     if (!is_described(d) || size < LENGTH_BYTES + info_size + map_size) {
         return 0;
     }
-    /* Nobody writes through it. */
+    /* Nothing is written through it. */
     cdr_bytes info_bytes = {d->type_information.sz, (uint8_t *)(uintptr_t)d->type_information.data};
     ddsi_typeinfo_t *info = ddsi_typeinfo_deser(&info_bytes);
     if (!info) {

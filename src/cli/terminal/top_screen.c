@@ -24,7 +24,7 @@ static struct {
     size_t typed_len;
 } screen;
 
-/* Nobody to tell when a terminal has gone: the next read says so. */
+/* A terminal that has gone cannot be told: the next read says so. */
 static void screen_write(const char *bytes, size_t len)
 {
     while (len > 0) {
@@ -149,7 +149,7 @@ static const struct {
     {" ", TOP_KEY_PAGE_DOWN},
 };
 
-/* A terminal that was closed is one that somebody wants to leave. */
+/* A closed terminal ends the program. */
 static void typed_read(void)
 {
     struct pollfd in = {.fd = STDIN_FILENO, .events = POLLIN};

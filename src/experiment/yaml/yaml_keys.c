@@ -127,7 +127,7 @@ static mu_result keys_unknown(struct yaml_tree *tree, int node, const struct yam
                            meant.nearest ? meant.nearest : "", meant.nearest ? "'?" : "");
 }
 
-/* Refuses keys that nobody reads, and the second of two that are the same. */
+/* Refuses keys that are not in the table, and the second of two that are the same. */
 static mu_result keys_check(struct yaml_tree *tree, int node, const struct yaml_key *keys,
                             struct mu_fault *fault)
 {

@@ -48,7 +48,7 @@ enum mind_state {
     MIND_TAKING,   /* mail */
     MIND_FIRING,   /* rules */
     MIND_HANDLING, /* mail or a question, by a deffunction */
-    MIND_LINE,     /* a line that somebody typed */
+    MIND_LINE,     /* a line that was typed */
     MIND_LOOKING,  /* a line that only looks */
     MIND_SAVING,
     MIND_FAILED, /* out of memory or time: its environment is gone */
@@ -102,7 +102,7 @@ enum environment_number {
 enum trace_fact {
     TRACE_CAUSED, /* of the cause above it */
     TRACE_SENSED, /* of this step's percept */
-    TRACE_SHOWN   /* of an earlier percept, asserted now because somebody looks */
+    TRACE_SHOWN   /* of an earlier percept, asserted now because a person looks */
 };
 
 /*
@@ -291,7 +291,7 @@ void trace_install(struct mind *m);
 /** Begins a cause, of which the lines that follow are effects.  @param kind  the line's letter */
 void trace_cause(struct mind *m, char kind, const char *what, const char *text);
 
-/** Notes one form of a line that somebody typed. */
+/** Notes one form of a line that was typed. */
 void trace_line(struct mind *m, struct syntax_form form);
 
 void trace_mail(struct mind *m, const struct mind_mail *mail);

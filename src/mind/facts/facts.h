@@ -82,7 +82,7 @@ struct mind_inputs {
     uint32_t senses_named; /* enum mu_sense: sensors whose functions rules call */
     struct deftemplate *position;
     struct fact *position_fact;
-    bool ring_unseen; /* the ring's fact is left out: no rule has a pattern of it, and nobody has
+    bool ring_unseen; /* the ring's fact is left out: no rule has a pattern of it, and no query has
                          looked for it */
     long long ring_number; /* the number that this fact would bear */
 

@@ -39,7 +39,7 @@ struct mind_letter {
     const char *reply_with, *in_reply_to, *conversation;
     const char *content;
     uint64_t reply_by_ns; /* an answer after this time of the run is not wanted; 0: any time */
-    uint64_t ttl_ns;      /* of no use to anybody when so old; 0: never */
+    uint64_t ttl_ns;      /* of no use when so old; 0: never */
     uint32_t layer;       /* 0: MU_LAYER_SPEECH */
     enum mu_priority priority;
     enum mu_level level;
@@ -90,7 +90,7 @@ struct mind_ports {
     /** What rules and the engine print: whole lines or parts of them. */
     void (*print)(void *self, const char *text);
     /** What is watched, (watch facts) say, in whole lines or parts of them.  @return whether
-     * anybody looks; if nobody does it is printed.  May be NULL. */
+     * a console looks; if none does it is printed.  May be NULL. */
     bool (*trace)(void *self, const char *text);
     /** Rules or a line have been at work for a while: called now and then.  May be NULL. */
     void (*work)(void *self);

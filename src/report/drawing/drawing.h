@@ -2,7 +2,7 @@
 /**
  * @file drawing.h
  * Writes the frame of HTML pages, and SVG: a few shapes, things of a world, paths that leave out
- * what nobody sees, and axes.
+ * what cannot be seen, and axes.
  *
  * Lengths are pixels, y downwards.  `style` is trusted text, such as "fill=\"none\""; every other
  * string may hold anything and is escaped.  Errors stay with the FILE.

@@ -48,7 +48,7 @@ void observe_status(struct session *s, const muster_RunStatus *status)
 
 /* --- what goes into a Frame ------------------------------------------------------------------- */
 
-/* @return for whom the step's Frame is to be made */
+/* @return the readers for which the step's Frame is to be made */
 static unsigned wanted_by(const struct session *s, bool last)
 {
     bool due = last || mu_clock_ns() >= s->observe.latest_wall_ns + LATEST_PERIOD_NS;

@@ -149,7 +149,7 @@ struct session_status {
     uint64_t told_wall_ns;
 };
 
-/* For whom a Frame is made: bits. */
+/* The readers for which a Frame is made: bits. */
 enum { SESSION_FOR_EVERY = 1, SESSION_FOR_LATEST = 2, SESSION_FOR_RECORDING = 4 };
 
 /* observe.c's own, but for the tallies: docs/observing.md */

@@ -3,7 +3,7 @@
 #include "bus/percept.h"
 #include "sim/session/parts.h"
 
-/* What nobody asks for is not read; a robot without a controller asks for nothing. */
+/* A sensor that is not asked for is not read; a robot without a controller asks for nothing. */
 static void wanted_set(struct session *s)
 {
     for (size_t r = 0; r < s->robot_count; r++) {
@@ -21,7 +21,7 @@ void percepts_read(struct session *s)
     }
 }
 
-/* Who watches sees where each body is and how it moves, and nothing of what its sensors read. */
+/* A watcher sees where each body is and how it moves, and nothing of what its sensors read. */
 static void bodies_fill(struct session *s)
 {
     for (size_t r = 0; r < s->robot_count; r++) {

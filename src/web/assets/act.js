@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What people do from the page.  Only who has the token can: it comes in the address's fragment,
+// What people do from the page.  Only a page with the token can: it comes in the address's fragment,
 // which browsers do not send, and is kept for this tab alone.
 
 import {createStore} from './dom.js';
@@ -29,8 +29,8 @@ export function createActor() {
     });
   }
 
-  /* One after the other: lines are to arrive in the order in which they were typed.  Whom they are
-   * for has a turn of its own, so that nobody waits for the lines of another console. */
+  /* One after the other: lines are to arrive in the order in which they were typed.  Each receiver
+   * has a turn of its own, so that no console waits for the lines of another. */
   const turns = new Map();
   function postInTurn(whom, ...request) {
     const done = (turns.get(whom) ?? Promise.resolve()).then(() => post(...request), () => post(...request));

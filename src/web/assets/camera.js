@@ -7,9 +7,9 @@ const FARTHEST = 0.5;
 export function createCamera() {
   const camera = {
     x: 0, y: 0, scale: 40, width: 1, height: 1,
-    /** Is counted up with each change, for whoever keeps a picture of what does not move. */
+    /** Is counted up with each change, for users that keep a picture of what does not move. */
     version: 0,
-    /** Whether all is shown, and nobody has looked elsewhere since. */
+    /** Whether all is shown, and the view was not moved since. */
     fitted: true,
 
     resize(width, height) {

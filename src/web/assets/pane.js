@@ -8,7 +8,7 @@ const HISTORY_MAX = 200;
 const END_PX = 20; /* so near the end is at it */
 
 /**
- * Keeps what is scrolled where it is: at its end, as long as nobody has scrolled it elsewhere.  A
+ * Keeps what is scrolled where it is: at its end, as long as it was not scrolled elsewhere.  A
  * browser forgets that of what is not to be seen.  @return does a change of what is in it
  */
 export function createScroll(node) {

@@ -33,9 +33,9 @@ export async function fetchWhy(step, robot) {
 
 /**
  * @param whole  from fetchRecording
- * @param robotOf  whose mind is to come with a moment; '': nobody's
+ * @param robotOf  whose mind is to come with a moment; '': none
  * @param onMoment  is given each moment, and whether it goes on from the one before
- * @param onStall  somebody wants to know of a stall: [robot's index, first step, last step]
+ * @param onStall  is asked of a stall: [robot's index, first step, last step]
  */
 export function createPast(whole, {robotOf, onMoment, onStall}) {
   const {first, last} = whole;
@@ -68,7 +68,7 @@ export function createPast(whole, {robotOf, onMoment, onStall}) {
     say(button, playing ? 'Pause' : 'Play');
   }
 
-  /* One question at a time: where the slider was meanwhile nobody needs to see. */
+  /* One question at a time: where the slider was meanwhile is not asked. */
   async function fill() {
     if (busy) return;
     busy = true;

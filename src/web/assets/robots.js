@@ -163,7 +163,7 @@ export function createRobots() {
     drawDot(context, ax - label.width / 2 - 9, ay - 8, look);
   }
 
-  /* Nobody drives it, and nobody will: its body stands there like a wall. */
+  /* No program drives it, and none will: its body stands there like a wall. */
   const isGone = (robot, i, agents) => robot.state === 'absent' &&
     (!scene.robots[i].controlled || (agents.size > 0 && !agents.has(scene.robots[i].name)));
 

@@ -45,7 +45,7 @@ export function createTabs(fixed, makeConsole, names, onShow = () => {}) {
     return key;
   }
 
-  /* Whoever looked at it looks at the one before. */
+  /* A person that looked at it looks at the one before. */
   function close(key) {
     const {button, panel, console} = tabs.get(key);
     const keys = [...tabs.keys()], before = keys[keys.indexOf(key) - 1];
@@ -83,7 +83,7 @@ export function createTabs(fixed, makeConsole, names, onShow = () => {}) {
     load(scene) {
       if (scene.robots.length <= OPEN_AT_ONCE) scene.robots.forEach((robot) => robot.controlled && open(robot.name));
     },
-    /** Whose console is shown; '': nobody's. */
+    /** Whose console is shown; '': none. */
     get shown() {
       return tabs.get(selected)?.console ? selected.slice('agent '.length) : '';
     },

@@ -6,7 +6,7 @@ const POINTS_ALL = 60000;
 const POINTS_MAX = 6000;
 const LEAST = 0.01; /* metres between two points */
 const DASHES = [0, 8, 3]; /* points, by pattern */
-const JUMP = 1.0; /* metres in a step that nobody drives: it was put there */
+const JUMP = 1.0; /* metres in a step, too many to drive: it was put there */
 
 function createTrail(capacity) {
   return {xs: new Float32Array(capacity), ys: new Float32Array(capacity), count: 0, first: 0};

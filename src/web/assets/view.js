@@ -22,7 +22,7 @@ export function createView(groundCanvas, liveCanvas) {
 
   const view = {
     camera, robots, mails, trails,
-    /** Draws above all else, if somebody wants to. */
+    /** Draws above all else, if it is set. */
     onTop: null,
     /** What people switch. */
     look: {picked: -1, follow: false, trails: true, beams: 'picked', mail: true, names: true},

@@ -8,7 +8,7 @@ const PACES = ['0.25', '0.5', '1', '2', '5', '10', '0'];
 const PUSH_N = 100;
 const TOAST_MS = 5000;
 
-/* Also for who looks at another tab. */
+/* Also while another tab is shown. */
 function toast(text, bad) {
   const said = byId('said');
   say(said, text);
@@ -116,7 +116,7 @@ export function createWorld(actor) {
   };
 }
 
-/** What hands can do to one robot.  sensors: their words.  poseOf: where it is now; null: nobody knows. */
+/** What hands can do to one robot.  sensors: their words.  poseOf: where it is now; null: not known. */
 export function createHandsRow(name, order, sensors, poseOf) {
   const field = (what) => element('input', {type: 'number', step: 'any', 'aria-label': what, placeholder: what});
   const x = field('x m'), y = field('y m'), turn = field('degrees'), later = createLater();
