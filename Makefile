@@ -532,9 +532,20 @@ $(O)/muster.pc: FORCE
 	  'libdir=$${prefix}/lib' 'Cflags: -I$${prefix}/include' 'Libs: -L$${libdir} -lmuster' \
 	  'Libs.private: -lddsc -lm' > $@.$$$$ && mv $@.$$$$ $@ # somebody else may install, too
 
-install: all $(O)/muster.pc ## install programs, library, headers, rules, worlds: PREFIX=, DESTDIR=
+# What shells source to complete command lines, printed by the program from its tables.
+COMPLETIONS := $(O)/completion/muster $(O)/completion/_muster $(O)/completion/muster.fish
+$(O)/completion/muster:      SHELL_NAME := bash
+$(O)/completion/_muster:     SHELL_NAME := zsh
+$(O)/completion/muster.fish: SHELL_NAME := fish
+COMPLETED := share/bash-completion/completions/muster share/zsh/site-functions/_muster share/fish/vendor_completions.d/muster.fish
+$(COMPLETIONS): $(PROGRAMS)
+	@mkdir -p $(@D)
+	$(Q)$(O)/bin/muster completion $(SHELL_NAME) > $@.$$$$ && mv $@.$$$$ $@
+
+install: all $(O)/muster.pc $(COMPLETIONS) ## install programs, library, headers, rules, worlds: PREFIX=, DESTDIR=
 	install -d $(addprefix $(DESTDIR)$(PREFIX)/,bin lib/pkgconfig lib/muster include/muster share/muster/rules \
-	  share/muster/worlds share/muster/experiments share/doc/muster share/man/man1)
+	  share/muster/worlds share/muster/experiments share/doc/muster share/man/man1 \
+	  $(dir $(COMPLETED)))
 	install -m755 $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin
 	install -m644 $(O)/libmuster.a $(O)/libmuster.so.0 $(DESTDIR)$(PREFIX)/lib
 	ln -sf libmuster.so.0 $(DESTDIR)$(PREFIX)/lib/libmuster.so
@@ -546,12 +557,14 @@ install: all $(O)/muster.pc ## install programs, library, headers, rules, worlds
 	install -m644 experiments/* $(DESTDIR)$(PREFIX)/share/muster/experiments
 	install -m644 LICENSE NOTICE $(DESTDIR)$(PREFIX)/share/doc/muster
 	install -m644 docs/man/*.1 $(DESTDIR)$(PREFIX)/share/man/man1
+	$(foreach c,$(COMPLETED),install -m644 $(O)/completion/$(notdir $(c)) $(DESTDIR)$(PREFIX)/$(c) && ) true
 
 uninstall: ## remove what install put there
 	rm -f $(addprefix $(DESTDIR)$(PREFIX)/bin/,$(notdir $(PROGRAMS))) \
 	  $(addprefix $(DESTDIR)$(PREFIX)/lib/libmuster.,a so so.0) \
-	  $(DESTDIR)$(PREFIX)/lib/pkgconfig/muster.pc $(DESTDIR)$(PREFIX)/share/man/man1/muster*.1
-	rm -rf $(addprefix $(DESTDIR)$(PREFIX)/,include/muster share/muster share/doc/muster)
+	  $(DESTDIR)$(PREFIX)/lib/pkgconfig/muster.pc $(DESTDIR)$(PREFIX)/share/man/man1/muster*.1 \
+	  $(addprefix $(DESTDIR)$(PREFIX)/,$(COMPLETED))
+	rm -rf $(addprefix $(DESTDIR)$(PREFIX)/,include/muster lib/muster share/muster share/doc/muster)
 
 clean: ## remove build/
 	rm -rf build

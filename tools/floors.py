@@ -31,6 +31,7 @@ FLOORS = {
     "run": "run.h",
     "worldtool": "worldtool.h",
     "cli/terminal": "terminal.h",
+    "cli/help": "help.h",
     "cli": None,
     "planner": "planner.h",
     "mind/interface": "interface.h",

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster: the one command to learn.  Long-lived parts are programs of their own, git style. */
 #include "bus/bus.h"
+#include "cli/help/help.h"
 #include "cli/verbs.h"
 #include "core/exits.h"
 #include "core/log.h"
 #include "core/options.h"
 #include "core/paths.h"
-#include "core/spell.h"
-#include "core/text.h"
 #include "operator/operator.h"
 
 #include <errno.h>
@@ -17,13 +16,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-struct verb {
-    const char *name;
-    int (*run)(int argc, char **argv); /* NULL: the program below takes over */
-    const char *program;
-    const char *usage, *help;
-};
 
 static int program_become(const char *program, char **argv)
 {
@@ -44,7 +36,7 @@ static bool run_find(char **argv)
     bool named = getenv("MUSTER_DOMAIN") != NULL;
     for (char **word = argv; *word; word++) {
         named = named || strncmp(*word, "--domain", strlen("--domain")) == 0 ||
-                strcmp(*word, "--help") == 0;
+                strcmp(*word, "--help") == 0 || strcmp(*word, "--dump-options") == 0;
     }
     if (!named && runs_find(&domain) != MU_OK) {
         return false;
@@ -73,56 +65,39 @@ static int topics_verb(int argc, char **argv)
     return MU_EXIT_DONE;
 }
 
-static const struct verb verbs[] = {
-    {"run", run_verb, NULL, "FILE", "run an experiment and leave a report"},
-    {"report", report_verb, NULL, "DIR", "the report of a run again, from what lies in its folder"},
-    {"compare", compare_verb, NULL, "DIR...", "several runs: means with intervals, table, plots"},
-    {"broker", NULL, "muster-broker", "NAME", "one broker: names and mail"},
-    {"sim", NULL, "muster-sim", "WORLD", "one simulator: bodies, senses, the clock of the run"},
-    {"robot", NULL, "muster-robot", "NAME --rules FILE", "one robot's controller"},
-    {"host", NULL, "muster-host", "NAME", "a platform that agents are launched on and move to"},
-    {"resolver", NULL, "muster-resolver", "SCHEME", "addresses such as role:scout or near:2.5"},
-    {"web", NULL, "muster-web", "", "the live page of a run, in a browser on this machine"},
-    {"monitor", NULL, "muster-monitor", "--rules FILE", "rules that look at a whole run"},
-    {"ps", pages_verb_ps, NULL, "", "the white pages: every agent and its state"},
-    {"lookup", pages_verb_lookup, NULL, "NAME", "one line of the white pages"},
-    {"wait", wait_verb, NULL, "NAME...",
-     "until agents, a service, a broker, hosts or a run are there"},
-    {"send", post_verb, NULL, "TO WORD...", "mail to an agent"},
-    {"broadcast", post_verb, NULL, "WORD...", "mail to every active agent"},
-    {"console", console_verb, NULL, "NAME", "look into an agent: CLIPS lines, answers, traces"},
-    {"do", post_verb, NULL, "TARGETS 'LINE'", "a CLIPS line to agents"},
-    {"start", post_verb, NULL, "TARGETS", "take agents out of standby"},
-    {"suspend", post_verb, NULL, "TARGETS", "stop agents where they are"},
-    {"resume", post_verb, NULL, "TARGETS", "let them go on"},
-    {"step", post_verb, NULL, "TARGETS N", "let robots fire N rules"},
-    {"launch", launch_verb, NULL, "NAME HOST ...", "a new agent on a running host"},
-    {"move", post_verb, NULL, "NAME HOST", "an agent to another host"},
-    {"clone", post_verb, NULL, "NAME NEW [HOST]", "a copy of an agent"},
-    {"dispose", post_verb, NULL, "TARGETS", "end agents for good"},
-    {"group", group_verb, NULL, "list|join G|...", "groups: who is in them, join, leave, send"},
-    {"service", service_verb, NULL, "list|find S|...", "the yellow pages: who offers what"},
-    {"world", world_verb, NULL, "check|place|...",
-     "world files: check, draw, import; the world of a run: place, push, reset, ..."},
-    {"top", top_verb, NULL, "", "what a run amounts to, live: a line for each robot"},
-    {"record", record_verb, NULL, "[TOPIC...]", "topics into a file, until interrupted"},
-    {"verify", verify_verb, NULL, "FILE", "do a recorded run again, and compare it step by step"},
-    {"why", why_verb, NULL, "[FILE] ROBOT [...]", "why a recorded robot stalled, drove, believed"},
-    {"replay", NULL, "muster-replay", "FILE", "a recording on DDS again"},
-    {"topics", topics_verb, NULL, "", "the table of DDS topics, as Markdown"},
+/* A verb that is not here is a program of its own. */
+static const struct {
+    const char *name;
+    int (*run)(int argc, char **argv);
+} calls[] = {
+    {"run", run_verb},
+    {"report", report_verb},
+    {"compare", compare_verb},
+    {"verify", verify_verb},
+    {"top", top_verb},
+    {"ps", pages_verb_ps},
+    {"lookup", pages_verb_lookup},
+    {"console", console_verb},
+    {"wait", wait_verb},
+    {"send", post_verb},
+    {"broadcast", post_verb},
+    {"do", post_verb},
+    {"start", post_verb},
+    {"suspend", post_verb},
+    {"resume", post_verb},
+    {"step", post_verb},
+    {"launch", launch_verb},
+    {"move", post_verb},
+    {"clone", post_verb},
+    {"dispose", post_verb},
+    {"group", group_verb},
+    {"service", service_verb},
+    {"world", world_verb},
+    {"record", record_verb},
+    {"why", why_verb},
+    {"completion", completion_verb},
+    {"topics", topics_verb},
 };
-
-enum { VERBS = sizeof verbs / sizeof verbs[0] };
-
-static void help_print(FILE *to)
-{
-    fputs("Usage: muster VERB [...]\n\nA runtime for teams of robots and other agents on DDS.\n\n",
-          to);
-    for (size_t i = 0; i < VERBS; i++) {
-        fprintf(to, "  %-9s %-18s %s\n", verbs[i].name, verbs[i].usage, verbs[i].help);
-    }
-    fputs("\nmuster VERB --help says more.\n", to);
-}
 
 /* An answer that was not written is no answer.  @return the exit code */
 static int output_end(int code)
@@ -134,32 +109,20 @@ static int output_end(int code)
     return code == MU_EXIT_DONE ? MU_EXIT_WRITE : code;
 }
 
-static int verb_miss(const char *word)
-{
-    char shown[MU_TEXT_SHOWN];
-    struct mu_spell meant;
-    mu_spell_init(&meant, word);
-    for (size_t i = 0; i < VERBS; i++) {
-        mu_spell_offer(&meant, verbs[i].name);
-    }
-    fprintf(stderr, "muster: there is no verb '%s'; ", mu_text_show(shown, word));
-    if (meant.nearest) {
-        fprintf(stderr, "did you mean '%s'? ", meant.nearest);
-    }
-    fputs("muster --help lists them\n", stderr);
-    return MU_EXIT_USAGE;
-}
-
 /* @param words  the verb and what follows */
 static int verb_call(int count, char **words)
 {
-    for (size_t i = 0; i < VERBS; i++) {
-        if (strcmp(words[0], verbs[i].name) == 0) {
-            return verbs[i].run ? verbs[i].run(count, words)
-                                : program_become(verbs[i].program, words);
+    char program[64];
+    if (!verbs_have(words[0])) {
+        return verbs_miss(words[0]);
+    }
+    for (size_t i = 0; i < sizeof calls / sizeof calls[0]; i++) {
+        if (strcmp(words[0], calls[i].name) == 0) {
+            return calls[i].run(count, words);
         }
     }
-    return verb_miss(words[0]);
+    snprintf(program, sizeof program, "muster-%s", words[0]);
+    return program_become(program, words);
 }
 
 static bool is_help(const char *word)
@@ -198,7 +161,11 @@ static int verb_run(int argc, char **argv)
         return verb_call(2, (char *[]){argv[2], help, NULL});
     }
     if (is_help(argv[1])) {
-        help_print(stdout);
+        verbs_print();
+        return MU_EXIT_DONE;
+    }
+    if (strcmp(argv[1], "--dump-verbs") == 0) {
+        verbs_dump();
         return MU_EXIT_DONE;
     }
     if (strcmp(argv[1], "--version") == 0) {

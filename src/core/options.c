@@ -20,6 +20,9 @@ static const struct mu_option options_common[] = {
 };
 enum { OPTIONS_COMMON_COUNT = sizeof options_common / sizeof options_common[0] };
 
+/* For programs that read the table; people have --help. */
+static const char dump_name[] = "dump-options";
+
 /* The command line while it is read. */
 struct options_reader {
     struct mu_options *options;
@@ -27,7 +30,7 @@ struct options_reader {
     int argc;
     int at;
     const char *config; /* --config FILE */
-    bool help, version;
+    bool help, version, dump;
 };
 
 static mu_result options_wrong(const struct mu_options *o)
@@ -123,6 +126,10 @@ static mu_result options_read_long(struct options_reader *r, const char *argumen
     const struct mu_option *common = options_find_common(name);
     if (common) {
         return options_take_common(r, common, value);
+    }
+    if (strcmp(argument + 2, dump_name) == 0) {
+        r->dump = true;
+        return MU_OK;
     }
     option = strncmp(name, "no-", 3) == 0 ? mu_options_find(r->options, name + 3) : NULL;
     if (option && option->kind == MU_OPTION_FLAG && !value) {
@@ -247,6 +254,38 @@ static mu_result options_read_environment(struct mu_options *o)
     return MU_OK;
 }
 
+static void options_dump_row(const struct mu_option *option)
+{
+    char letter[2] = {option->letter, '\0'};
+    const char *unit = option->kind == MU_OPTION_FLAG ? "" : option->unit ? option->unit : "VALUE";
+    printf("%s\t%s\t%s\t%s\t%s\t%s\t%s\n", option->name, letter, unit,
+           option->kind == MU_OPTION_LIST ? "many" : "", option->fallback ? option->fallback : "",
+           option->environment ? option->environment : "", option->help);
+}
+
+static void options_dump(const struct mu_options *options)
+{
+    for (size_t i = 0; i < options->count; i++) {
+        options_dump_row(&options->table[i]);
+    }
+    for (size_t i = 0; i < OPTIONS_COMMON_COUNT; i++) {
+        options_dump_row(&options_common[i]);
+    }
+}
+
+/* @return whether the program has no more to do than what was printed */
+static bool options_print(const struct options_reader *r)
+{
+    if (r->dump) {
+        options_dump(r->options);
+    } else if (r->help) {
+        mu_options_print_help(r->options);
+    } else if (r->version) {
+        printf("%s %s\n", r->options->program, MU_VERSION);
+    }
+    return r->dump || r->help || r->version;
+}
+
 mu_result mu_options_parse(struct mu_options *options, int argc, char **argv)
 {
     struct options_reader r = {.options = options, .argv = argv, .argc = argc, .at = 1};
@@ -255,12 +294,7 @@ mu_result mu_options_parse(struct mu_options *options, int argc, char **argv)
     if (result != MU_OK) {
         return result;
     }
-    if (r.help || r.version) {
-        if (r.help) {
-            mu_options_print_help(options);
-        } else {
-            printf("%s %s\n", options->program, MU_VERSION);
-        }
+    if (options_print(&r)) {
         return MU_DONE;
     }
     result = mu_options_read_config(options, r.config);

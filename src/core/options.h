@@ -4,7 +4,9 @@
  * The command line of every program, from one table.
  *
  * A value comes from the flag, else from the environment, else from the configuration file, else
- * from the table.  The table also prints `--help`, and remembers where each value came from.
+ * from the table.  The table also prints `--help` and, for programs, `--dump-options`: a line for
+ * each option, tabs between name, letter, value ("": a flag), "many" if it may stand several times,
+ * default, environment and help.  It remembers where each value came from.
  *
  * The configuration file is --config FILE, else $MUSTER_CONFIG, else
  * $XDG_CONFIG_HOME/muster/config, else ~/.config/muster/config.  Its lines are `name = value`,
@@ -102,9 +104,9 @@ struct mu_options {
  * file that the table does not know are passed over, because they may belong to another program.
  * Call it before mu_memory_seal(): values from the configuration file are start-up memory.
  *
- * @return MU_OK; MU_DONE when --help or --version was asked for and printed; MU_FAULT_USAGE for an
- *         unknown option, a bad value or a word too many, MU_FAULT_FILE for a bad configuration
- *         file, both already explained on standard error
+ * @return MU_OK; MU_DONE when --help, --version or --dump-options was asked for and printed;
+ * MU_FAULT_USAGE for an unknown option, a bad value or a word too many, MU_FAULT_FILE for a bad
+ * configuration file, both already explained on standard error
  */
 MU_MUST_USE mu_result mu_options_parse(struct mu_options *options, int argc, char **argv);
 

@@ -69,9 +69,8 @@ static bool folder_has(const char *folder, const char *file)
 }
 
 /* bin below the prefix; build/VARIANT/bin in the source tree, which is known by two of its files:
- * three folders above an installed program is a stranger's.
- * @return whether there is such a folder, with that file in it */
-static bool path_ours(char *path, size_t size, const char *folder, const char *file)
+ * three folders above an installed program is a stranger's. */
+bool mu_path_own(char *path, size_t size, const char *folder, const char *file)
 {
     char programs[PATH_MAX], sub[PATH_MAX];
     snprintf(sub, sizeof sub, "../share/muster/%s", folder);
@@ -92,7 +91,7 @@ bool mu_path_rules(char *path, size_t size)
     if (chosen && chosen[0]) {
         return mu_text_copy(path, size, chosen) && folder_has(path, "muster.clp");
     }
-    return path_ours(path, size, "rules", "muster.clp");
+    return mu_path_own(path, size, "rules", "muster.clp");
 }
 
 mu_result mu_path_rules_need(char *path, size_t size, const char *program)
@@ -116,7 +115,7 @@ bool mu_path_experiment(char *path, size_t size, const char *name)
     const char *ending = strchr(name, '.') ? "" : ".yaml";
     int len = snprintf(file, sizeof file, "%s%s", name, ending);
     return len > 0 && (size_t)len < sizeof file &&
-           path_ours(folder, sizeof folder, "experiments", file) &&
+           mu_path_own(folder, sizeof folder, "experiments", file) &&
            mu_path_join(path, size, folder, file);
 }
 

@@ -28,6 +28,14 @@ bool mu_path_rules(char *path, size_t size);
 MU_MUST_USE mu_result mu_path_rules_need(char *path, size_t size, const char *program);
 
 /**
+ * Finds one of muster's own folders, such as "experiments": the installed, else the source tree's.
+ *
+ * @param file  that must be in it
+ * @return whether there is one
+ */
+bool mu_path_own(char *path, size_t size, const char *folder, const char *file);
+
+/**
  * Finds an experiment of muster's own by its name, with or without ".yaml": the installed one, else
  * the source tree's.
  *

@@ -276,6 +276,8 @@ bool reader_is(const struct mu_member *m);
 /** Domains that a run picks from: below them is the common 0, above are ephemeral ports. */
 enum { RUNS_DOMAIN_FIRST = 1, RUNS_DOMAIN_LAST = 99 };
 
+enum { RUNS_NAME_MAX = 127 };
+
 /**
  * Takes a domain for the life of this process.
  *
@@ -303,6 +305,15 @@ bool runs_folder_of(int domain, char *folder, size_t size);
 
 /** Says on standard error that a run of this user has just ended, or how to start one. */
 void runs_tell_last(const char *program);
+
+/**
+ * Finds the next live run of this user.
+ *
+ * @param domain  where to look from; out: the run's
+ * @param name    out: the experiment's
+ * @return false: there is none
+ */
+bool runs_next(int *domain, char name[RUNS_NAME_MAX + 1]);
 
 /**
  * Lists the live runs of this user, a line each.

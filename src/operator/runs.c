@@ -232,17 +232,26 @@ void runs_tell_last(const char *program)
     }
 }
 
+bool runs_next(int *domain, char name[RUNS_NAME_MAX + 1])
+{
+    char folder[PATH_MAX];
+    bool found = false;
+    bool listed = runs_folder(folder, sizeof folder);
+    for (; listed && !found && *domain <= MU_DOMAIN_MAX; *domain += !found) {
+        found = domain_lives(folder, *domain, name, RUNS_NAME_MAX + 1);
+    }
+    return found;
+}
+
 unsigned runs_list(FILE *to, int *domain)
 {
-    char folder[PATH_MAX], name[128];
+    char name[RUNS_NAME_MAX + 1];
     unsigned found = 0;
-    for (int d = 0; runs_folder(folder, sizeof folder) && d <= MU_DOMAIN_MAX; d++) {
-        if (domain_lives(folder, d, name, sizeof name)) {
-            found++;
-            *domain = d;
-            if (to) {
-                fprintf(to, "  --domain %d  %s\n", d, name);
-            }
+    for (int d = 0; runs_next(&d, name); d++) {
+        found++;
+        *domain = d;
+        if (to) {
+            fprintf(to, "  --domain %d  %s\n", d, name);
         }
     }
     return found;

@@ -105,6 +105,9 @@ def test_library_and_headers_build_a_stranger_s_controller():
         check_equal(built.returncode, 0, f"a build against the installed library: {built.stderr}")
         libraries = subprocess.run(["ldd", out / "spin"], capture_output=True, text=True).stdout
         check("libclips" not in libraries and "libode" not in libraries, libraries)
+        for name in ("bash-completion/completions/muster", "zsh/site-functions/_muster",
+                     "fish/vendor_completions.d/muster.fish"):
+            check("muster" in (out / "usr/share" / name).read_text(), name)
         installed = pathlib.Path(out, "usr/bin/muster")
         done = subprocess.run([installed, "run", ROOT / "experiments/follow.yaml", "--quiet",
                                "--duration", "2", "--out", out / "report"], capture_output=True,
