@@ -25,15 +25,20 @@ struct broker;
  * The two times that mail knows.
  *
  * The run's time counts from the start of a run; mail is due by it.  The mail clock never goes
- * back, whatever runs start and end; mail expires by it.  In lock step both move with the steps,
- * else with the broker's clock.
+ * back, whatever runs start and end; mail expires by it.  Both move with the broker's clock, or
+ * with the steps of a run.
  */
+
+/* CLOCK_COLLECTS: steps move it, and what is done now takes effect when the step ends;
+ * CLOCK_STEP_ENDS: steps move it, and what is done now happens in every run. */
+enum clock_mode { CLOCK_WALL, CLOCK_COLLECTS, CLOCK_STEP_ENDS };
 
 struct clock {
     uint64_t now_ns; /* the broker's clock, as last told */
-    bool lockstep;
+    enum clock_mode mode;
     bool runs;             /* a run has started */
-    uint64_t run_ns;       /* the run's time at base_ns; in lock step: now */
+    uint64_t step_ns;      /* of a run that goes by steps */
+    uint64_t run_ns;       /* the run's time at base_ns; if it goes by steps: now */
     uint64_t base_ns;      /* of the broker's clock */
     uint64_t mail_lead_ns; /* the mail clock is so far ahead of the other one, modulo 2^64 */
 };
@@ -41,11 +46,23 @@ struct clock {
 /** Takes note of the broker's clock; an earlier time than the last one counts as the last one. */
 void clock_set_now(struct clock *c, uint64_t now_ns);
 
-/** A run is at this time now, and goes on in lock step or with the broker's clock. */
-void clock_start(struct clock *c, bool lockstep, uint64_t run_ns);
+/** A run is at this time now, and goes on by steps of step_ns, or, if that is 0, with the broker's
+ * clock. */
+void clock_start(struct clock *c, uint64_t step_ns, uint64_t run_ns);
 
-/** In lock step: a step ends at this time. */
+/** A step ends at this time: between the two, what is done happens in every run. */
 void clock_step(struct clock *c, uint64_t run_ns);
+void clock_step_begin(struct clock *c);
+void clock_step_end(struct clock *c);
+
+/** @return whether steps move the time */
+bool clock_by_steps(const struct clock *c);
+
+/** @return whether what is done now takes effect only when the step ends */
+bool clock_collects(const struct clock *c);
+
+/** @return how long to wait for an answer: in simulated time, if steps move the clock */
+uint64_t clock_patience_ns(const struct clock *c, uint64_t wall_ns, uint64_t steps);
 
 /** @return the run's time; 0 when none has started */
 uint64_t clock_run_ns(const struct clock *c);
@@ -53,12 +70,16 @@ uint64_t clock_run_ns(const struct clock *c);
 /** @return the mail clock's time */
 uint64_t clock_mail_ns(const struct clock *c);
 
-/** Out of lock step: when the broker's clock shows this time of the mail clock or of the run. */
+/** While the broker's clock moves the time: when it shows this time of the mail clock or of the
+ * run. */
 uint64_t clock_now_of_mail_ns(const struct clock *c, uint64_t mail_ns);
 uint64_t clock_now_of_run_ns(const struct clock *c, uint64_t run_ns);
 
 /** @return nanoseconds since 1970 */
 uint64_t clock_wall_ns(const struct broker *b);
+
+/** @return the stamp of what is done now: of the run, if it goes by steps; else since 1970 */
+uint64_t clock_stamp_ns(const struct broker *b);
 
 /* --- changelog.c ----------------------------------------------------------------------------- */
 

@@ -14,14 +14,15 @@ void clock_set_now(struct clock *c, uint64_t now_ns)
     }
 }
 
-void clock_start(struct clock *c, bool lockstep, uint64_t run_ns)
+void clock_start(struct clock *c, uint64_t step_ns, uint64_t run_ns)
 {
     uint64_t mail_ns = clock_mail_ns(c);
     c->runs = true;
-    c->lockstep = lockstep;
+    c->mode = step_ns > 0 ? CLOCK_COLLECTS : CLOCK_WALL;
+    c->step_ns = step_ns;
     c->run_ns = run_ns;
     c->base_ns = c->now_ns;
-    c->mail_lead_ns = mail_ns - (lockstep ? run_ns : c->now_ns);
+    c->mail_lead_ns = mail_ns - (step_ns > 0 ? run_ns : c->now_ns);
 }
 
 void clock_step(struct clock *c, uint64_t run_ns)
@@ -29,9 +30,36 @@ void clock_step(struct clock *c, uint64_t run_ns)
     c->run_ns = run_ns;
 }
 
+void clock_step_begin(struct clock *c)
+{
+    MU_ASSERT(c->mode == CLOCK_COLLECTS);
+    c->mode = CLOCK_STEP_ENDS;
+}
+
+void clock_step_end(struct clock *c)
+{
+    MU_ASSERT(c->mode == CLOCK_STEP_ENDS);
+    c->mode = CLOCK_COLLECTS;
+}
+
+bool clock_by_steps(const struct clock *c)
+{
+    return c->mode != CLOCK_WALL;
+}
+
+bool clock_collects(const struct clock *c)
+{
+    return c->mode == CLOCK_COLLECTS;
+}
+
+uint64_t clock_patience_ns(const struct clock *c, uint64_t wall_ns, uint64_t steps)
+{
+    return clock_by_steps(c) ? steps * c->step_ns : wall_ns;
+}
+
 uint64_t clock_run_ns(const struct clock *c)
 {
-    if (!c->runs || c->lockstep) {
+    if (!c->runs || clock_by_steps(c)) {
         return c->run_ns;
     }
     return c->run_ns + (c->now_ns - c->base_ns);
@@ -39,7 +67,7 @@ uint64_t clock_run_ns(const struct clock *c)
 
 uint64_t clock_mail_ns(const struct clock *c)
 {
-    return (c->lockstep ? c->run_ns : c->now_ns) + c->mail_lead_ns;
+    return (clock_by_steps(c) ? c->run_ns : c->now_ns) + c->mail_lead_ns;
 }
 
 /* When a clock that shows this will show that; what is past is due now. */
@@ -62,4 +90,9 @@ uint64_t clock_now_of_run_ns(const struct clock *c, uint64_t run_ns)
 uint64_t clock_wall_ns(const struct broker *b)
 {
     return b->wall_ns + b->clock.now_ns;
+}
+
+uint64_t clock_stamp_ns(const struct broker *b)
+{
+    return clock_by_steps(&b->clock) ? clock_run_ns(&b->clock) : clock_wall_ns(b);
 }

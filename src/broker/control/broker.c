@@ -197,8 +197,9 @@ static void mail_take(struct broker *b, uint32_t sender, const muster_Mail *lett
         step_keep_replay(b, m);
         return;
     }
-    bool outside = effect == EFFECT_STEP_AS_OUTSIDE ||
-                   (effect != EFFECT_STEP && b->lockstep.on && route_meets_lockstep(b, m));
+    bool outside =
+        effect == EFFECT_STEP_AS_OUTSIDE ||
+        (effect != EFFECT_STEP && clock_by_steps(&b->clock) && route_meets_lockstep(b, m));
     if (effect != EFFECT_STEP && !outside) {
         (void)route_mail(b, m);
     } else if (!barrier_keep(b, m, outside)) {
@@ -385,7 +386,7 @@ void broker_tick(struct broker *b, uint64_t now_ns)
     lifecycle_tick_routes(b);
     announce_tick(b);
     retire_tick(b);
-    if (!b->clock.lockstep) {
+    if (!clock_by_steps(&b->clock)) {
         settle_expire(b, clock_mail_ns(&b->clock));
         notify_expire(b, clock_mail_ns(&b->clock));
         route_resolve_expire(b, clock_mail_ns(&b->clock));
@@ -422,7 +423,7 @@ static uint64_t due_deadline_ns(const struct broker *b)
 
 uint64_t broker_deadline_ns(const struct broker *b)
 {
-    bool by_steps = b->clock.lockstep; /* then the end of a step does it */
+    bool by_steps = clock_by_steps(&b->clock); /* then the end of a step does it */
     const uint64_t times_ns[] = {lifecycle_deadline_ns(b),
                                  resend_deadline_ns(b),
                                  dispatch_deadline_ns(b),
@@ -602,5 +603,5 @@ uint32_t broker_samples_wanted(const struct broker *b)
 
 bool broker_in_lockstep(const struct broker *b)
 {
-    return b->lockstep.on;
+    return clock_by_steps(&b->clock);
 }

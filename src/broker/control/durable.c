@@ -297,7 +297,7 @@ static bool restore_clock(struct broker *b, const struct journal_entry *e)
     if (e->run_wall_ns == 0 || e->run_wall_ns > wall_ns) {
         return false;
     }
-    clock_start(&b->clock, false, wall_ns - e->run_wall_ns);
+    clock_start(&b->clock, 0, wall_ns - e->run_wall_ns);
     b->journal.run_wall_ns = e->run_wall_ns;
     return true;
 }

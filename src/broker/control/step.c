@@ -120,7 +120,7 @@ static void replays_keep(struct broker *b, uint64_t run_ns)
 
 static void step_apply(struct broker *b)
 {
-    b->lockstep.applying = true;
+    clock_step_begin(&b->clock);
     replays_keep(b, clock_run_ns(&b->clock));
     barrier_order_turns(b);
     acks_apply(b);
@@ -132,19 +132,19 @@ static void step_apply(struct broker *b)
     route_resolve_expire(b, clock_mail_ns(&b->clock));
     barrier_close_turns(&b->lockstep);
     settle_admit_due(b, clock_run_ns(&b->clock));
-    b->lockstep.applying = false;
+    clock_step_end(&b->clock);
 }
 
-static uint64_t step_time_ns(const struct lockstep *l, int64_t step)
+static uint64_t step_time_ns(const struct broker *b, int64_t step)
 {
-    return (uint64_t)step * l->step_ns;
+    return (uint64_t)step * b->clock.step_ns;
 }
 
 /* Everything of the step takes effect, and the next step begins. */
 static void step_end(struct broker *b)
 {
     struct lockstep *l = &b->lockstep;
-    clock_step(&b->clock, step_time_ns(l, l->step + 1));
+    clock_step(&b->clock, step_time_ns(b, l->step + 1));
     step_apply(b);
     l->step++;
     l->answered = 0;
@@ -202,7 +202,7 @@ static void place_leave(struct broker *b, uint32_t place)
          agent = residents_next(&b->registry, &b->processes, agent)) {
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
         residents_wake(&b->registry, &b->processes, agent);
-        if (b->lockstep.on) { /* those who stay are not shown its services any more */
+        if (clock_by_steps(&b->clock)) { /* those who stay are not shown its services any more */
             notify_presence(b, agent);
         }
     }
@@ -332,7 +332,7 @@ static void lockstep_end(struct broker *b)
         step_apply(b);
     } while (l->outside_waiting > 0);
     barrier_told(b);
-    l->on = false;
+    clock_start(&b->clock, 0, clock_run_ns(&b->clock));
     lockstep_hold(b, false);
     replays_drop(b);
     uint32_t count = l->roster_count, simulator = l->simulator;
@@ -365,15 +365,13 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
     struct lockstep *l = &b->lockstep;
     run_forget(b);
     route_resolve_give_up(b);
-    l->on = true;
+    clock_start(&b->clock, roster->step_ns, (uint64_t)roster->step * roster->step_ns);
     l->held = roster->held;
     l->step = roster->step;
-    l->step_ns = roster->step_ns;
     l->simulator = simulator;
     b->processes.at[simulator].simulator = true;
     b->processes.at[simulator].step_had = INT64_MIN;
     roster_grow(b, roster, false);
-    clock_start(&b->clock, true, step_time_ns(l, l->step));
     settle_admit_due(b, clock_run_ns(&b->clock));
     l->version = l->start_version = b->registry.changes.version;
     for (uint32_t i = 0; i < l->roster_count; i++) {
@@ -410,19 +408,20 @@ static void deliveries_owe(struct broker *b)
 void step_set_roster(struct broker *b, const muster_Roster *roster)
 {
     struct lockstep *l = &b->lockstep;
-    bool same = l->on && strcmp(b->processes.at[l->simulator].name, roster->simulator) == 0;
+    bool same = clock_by_steps(&b->clock) &&
+                strcmp(b->processes.at[l->simulator].name, roster->simulator) == 0;
     if (!roster->lockstep) {
         if (same) {
             lockstep_end(b);
         }
-        if (!l->on) {
+        if (!clock_by_steps(&b->clock)) {
             uint64_t steps = roster->step > 0 ? (uint64_t)roster->step : 0;
-            clock_start(&b->clock, false, steps * roster->step_ns);
+            clock_start(&b->clock, 0, steps * roster->step_ns);
         }
         return;
     }
     /* The simulator may not have heard yet that the step before has ended. */
-    bool goes_on = same && roster->step_ns == l->step_ns && roster->step >= l->step - 1 &&
+    bool goes_on = same && roster->step_ns == b->clock.step_ns && roster->step >= l->step - 1 &&
                    roster->step <= l->step + 1;
     if (goes_on) {
         lockstep_change(b, roster);
@@ -432,7 +431,7 @@ void step_set_roster(struct broker *b, const muster_Roster *roster)
             b->counters.malformed++;
             return;
         }
-        if (l->on) {
+        if (clock_by_steps(&b->clock)) {
             lockstep_end(b);
             simulator =
                 processes_get(&b->processes, roster->simulator); /* it may have been let go */

@@ -9,7 +9,7 @@
 
 static uint64_t interval_steps(const struct broker *b)
 {
-    uint64_t step_ns = b->lockstep.step_ns;
+    uint64_t step_ns = b->clock.step_ns;
     return b->dispatch.interval_ns / step_ns + (b->dispatch.interval_ns % step_ns > 0);
 }
 
@@ -26,7 +26,7 @@ static uint64_t mail_delay_ns(const struct broker *b, const struct mail *m)
 {
     uint64_t now_ns = clock_mail_ns(&b->clock), since_ns = b->dispatch.slept_ns;
     if (b->dispatch.open_lockstep) {
-        uint64_t round_ns = interval_steps(b) * b->lockstep.step_ns;
+        uint64_t round_ns = interval_steps(b) * b->clock.step_ns;
         since_ns = now_ns > round_ns ? now_ns - round_ns : 0;
     }
     since_ns = since_ns > m->came_ns ? since_ns : m->came_ns;

@@ -11,8 +11,8 @@ static struct audit_record *record_of(struct broker *b, uint32_t sender, const c
     struct audit_record *r = audit_add(&b->audit);
     if (r) {
         r->allowed = allowed;
-        r->simulated = b->clock.lockstep;
-        r->time_ns = r->simulated ? clock_run_ns(&b->clock) : clock_wall_ns(b);
+        r->simulated = clock_by_steps(&b->clock);
+        r->time_ns = clock_stamp_ns(b);
         (void)mu_text_copy(r->sender, sizeof r->sender, b->registry.agents[sender].name);
         (void)mu_text_copy(r->process, sizeof r->process, b->registry.agents[sender].place);
         (void)mu_text_copy(r->performative, sizeof r->performative, performative);

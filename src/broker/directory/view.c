@@ -28,7 +28,7 @@ void view_init(struct pages *p)
 
 bool view_inside(const struct broker *b, uint32_t agent)
 {
-    return b->lockstep.on && names_in_lockstep(b, agent);
+    return clock_by_steps(&b->clock) && names_in_lockstep(b, agent);
 }
 
 bool view_shows(const struct broker *b, uint32_t line, bool inside)
@@ -69,9 +69,9 @@ struct said view_said(struct broker *b)
         told_update(b);
     }
     return (struct said){
-        .stamp_ns = b->lockstep.on ? clock_run_ns(&b->clock) : clock_wall_ns(b),
+        .stamp_ns = clock_stamp_ns(b),
         .origin = b->name,
-        .inside = !b->lockstep.on || b->lockstep.applying,
+        .inside = !clock_collects(&b->clock),
     };
 }
 
@@ -178,7 +178,7 @@ uint32_t view_resolver(const struct broker *b, const char *dst)
         /* Who lives at another broker answers to that one. */
         if (agent != MU_NONE && b->registry.agents[agent].is.home[0] == '\0' &&
             mu_attributes_match(&query, "resolver", s->offers[line].attributes) &&
-            view_shows(b, line, b->lockstep.on)) {
+            view_shows(b, line, clock_by_steps(&b->clock))) {
             return agent;
         }
     }

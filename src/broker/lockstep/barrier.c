@@ -152,7 +152,7 @@ bool barrier_wants(const struct broker *b, uint32_t place, int64_t step)
 bool barrier_awaits(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
-    return b->lockstep.on && b->lockstep.held && a->is.kind == muster_KIND_ROBOT &&
+    return b->lockstep.held && a->is.kind == muster_KIND_ROBOT &&
            !b->processes.at[a->process].rostered;
 }
 
@@ -231,5 +231,5 @@ void barrier_release(struct broker *b)
 
 uint32_t barrier_missing(const struct lockstep *l)
 {
-    return l->on && l->roster_count > l->answered ? l->roster_count - l->answered : 1;
+    return l->roster_count > l->answered ? l->roster_count - l->answered : 1;
 }

@@ -46,12 +46,9 @@ struct turn {
 };
 
 struct lockstep {
-    bool on;
-    bool applying;     /* a step is ending: what happens now happens in every run */
-    bool held;         /* the step does not end: a process of the roster is to come yet */
-    bool awaits_moves; /* the last step has no end yet: agents are on their way */
-    int64_t step;      /* whose Ups are collected */
-    uint64_t step_ns;
+    bool held;          /* the step does not end: a process of the roster is to come yet */
+    bool awaits_moves;  /* the last step has no end yet: agents are on their way */
+    int64_t step;       /* whose Ups are collected */
     uint32_t simulator; /* its place */
     uint32_t roster[MU_PROCESSES_MAX];
     uint32_t roster_count;

@@ -236,7 +236,7 @@ void journal_line_changed(struct broker *b, enum lines_kind lines, uint32_t slot
 
 uint64_t journal_run_wall_ns(const struct broker *b)
 {
-    bool by_the_wall = b->clock.runs && !b->clock.lockstep;
+    bool by_the_wall = b->clock.runs && !clock_by_steps(&b->clock);
     return by_the_wall ? b->wall_ns + b->clock.base_ns - b->clock.run_ns : 0;
 }
 

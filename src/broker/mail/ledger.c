@@ -22,8 +22,8 @@ static bool account_take(struct broker *b, struct mail *m, enum quota_side side,
                          struct quota_use *booked)
 {
     struct quota_use want = {.mails = 1, .bytes = pool_bytes(m), .posts = posts};
-    enum quota_answer why =
-        quota_book(&b->quotas, side, m->payer, &want, b->lockstep.on, m->letter.layer == 0);
+    enum quota_answer why = quota_book(&b->quotas, side, m->payer, &want, clock_by_steps(&b->clock),
+                                       m->letter.layer == 0);
     if (why != QUOTA_FITS) {
         ledger_refused(b, m, REGISTRY_BROKER, why, posts);
         return false;

@@ -55,7 +55,7 @@ void recipients_of_answer(struct broker *b, const char *names, uint32_t sender,
     char name[MU_NAME_MAX + 1];
     struct mu_text read;
     uint64_t mark = ++b->registry.mark;
-    bool open = !b->lockstep.on || b->lockstep.applying;
+    bool open = !clock_collects(&b->clock);
     mu_text_init(&read, name, sizeof name);
     to->count = to->refused = 0;
     while (mu_fields_next(&names, &read) || read.cut) {
@@ -94,7 +94,7 @@ static void recipients_of_group(struct broker *b, const char *group, uint32_t se
         to->unknown++;
         return;
     }
-    if (b->lockstep.on) {
+    if (clock_by_steps(&b->clock)) {
         recipients_of_members(b, group, true, sender, to);
     }
     recipients_of_members(b, group, false, sender, to);

@@ -50,12 +50,6 @@ enum resolve_need resolve_needs(const struct broker *b, const struct mail *m)
 
 /* --- waiting ---------------------------------------------------------------------------------- */
 
-static uint64_t patience_ns(const struct broker *b)
-{
-    return b->clock.lockstep ? RESOLVE_PATIENCE_STEPS * b->lockstep.step_ns
-                             : RESOLVE_PATIENCE_MS * 1000000ull;
-}
-
 static void resolver_ask(struct broker *b, uint32_t index)
 {
     char ticket[MU_FIELD_MAX + 1];
@@ -65,7 +59,8 @@ static void resolver_ask(struct broker *b, uint32_t index)
     bool inside = names_in_lockstep(b, w->resolver);
     w->state = RESOLVE_ASKED;
     w->ticket = (inside ? 0 : OUTSIDE_TICKETS) + ++r->tickets[inside];
-    w->until_ns = w->since_ns + patience_ns(b);
+    w->until_ns = w->since_ns + clock_patience_ns(&b->clock, RESOLVE_PATIENCE_MS * 1000000ull,
+                                                  RESOLVE_PATIENCE_STEPS);
     r->soonest_ns = w->until_ns < r->soonest_ns ? w->until_ns : r->soonest_ns;
     r->asked++;
     (void)mu_list_append(&r->waits_asked, MU_LINKS(r->waits, asked), index);

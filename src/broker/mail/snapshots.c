@@ -288,7 +288,8 @@ void snapshots_review(struct broker *b, uint32_t agent)
     bool elsewhere = a->process != c->source && a->is.epoch == c->epoch;
     if (a->is.epoch > c->epoch) {
         snapshots_drop(b, c);
-    } else if (lives && elsewhere && c->phase == SNAPSHOT_KEPT && !(c->seated && b->lockstep.on)) {
+    } else if (lives && elsewhere && c->phase == SNAPSHOT_KEPT &&
+               !(c->seated && clock_by_steps(&b->clock))) {
         snapshot_end(b, c);
     }
 }
@@ -306,7 +307,7 @@ void snapshots_heard(struct broker *b, uint32_t agent, uint32_t place)
 static bool has_left(const struct broker *b, const struct agent *a, uint32_t seat,
                      const struct presence *is)
 {
-    bool is_same = b->lockstep.on || is->since_wall_ns == a->left_wall_ns;
+    bool is_same = clock_by_steps(&b->clock) || is->since_wall_ns == a->left_wall_ns;
     return a->left == seat && is->epoch < a->is.epoch && is_same;
 }
 

@@ -208,7 +208,7 @@ void lifecycle_depart(struct broker *b, uint32_t agent)
     uint32_t place = a->process;
     residents_remove(&b->registry, &b->processes, agent);
     registry_unseat(&b->registry, agent, clock_wall_ns(b));
-    a->ended = b->lockstep.applying;
+    a->ended = b->clock.mode == CLOCK_STEP_ENDS;
     a->passed = a->ended;
     mailbox_unwatch(&b->mailbox, agent);
     mailbox_repeat(&b->mailbox, agent);
@@ -221,7 +221,7 @@ void lifecycle_depart(struct broker *b, uint32_t agent)
     }
     names_changed(b);
     notify_presence(b, agent);
-    if (!b->lockstep.on && snapshots_keep(b, agent)) {
+    if (!clock_by_steps(&b->clock) && snapshots_keep(b, agent)) {
         names_hold(b, agent);
     }
     if (names_is_held(b, agent) && copy_claim(b, agent) == MU_NONE) {

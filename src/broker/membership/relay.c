@@ -64,7 +64,7 @@ static void mail_take(struct broker *b, uint32_t agent, uint32_t sender, const m
     m->sender = sender;
     m->payer = registry_is_own(sender) ? agent : sender;
     m->only = agent;
-    if (!b->lockstep.on || !route_meets_lockstep(b, m)) {
+    if (!clock_by_steps(&b->clock) || !route_meets_lockstep(b, m)) {
         (void)route_mail(b, m);
     } else if (!barrier_keep(b, m, true)) {
         settle_turn_away(b, m);

@@ -241,6 +241,6 @@ void retire_tick(struct broker *b)
 
 uint64_t retire_deadline_ns(const struct broker *b)
 {
-    bool wanted = registry_is_crowded(&b->registry) && !b->lockstep.on;
+    bool wanted = registry_is_crowded(&b->registry) && !clock_by_steps(&b->clock);
     return wanted ? b->retirement.next_ns : UINT64_MAX;
 }

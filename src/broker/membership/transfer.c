@@ -228,7 +228,7 @@ static bool is_orphan(const struct broker *b, const struct snapshot *c)
 /* Whom a lock step needs goes to a host of the run, when that has been started again. */
 static bool is_for(const struct broker *b, const struct snapshot *c, uint32_t host)
 {
-    return !b->lockstep.on || !c->in_step || b->registry.agents[host].let_go;
+    return !clock_by_steps(&b->clock) || !c->in_step || b->registry.agents[host].let_go;
 }
 
 static void wanted_take(struct broker *b, uint32_t place, const muster_Trip *trip)

@@ -174,7 +174,7 @@ uint64_t remote_begin_seq(const struct broker *b, uint32_t agent)
     const struct federation *l = &b->federation;
     uint64_t last = registry_last_seq(&b->registry.agents[agent]);
     bool others_may_begin = l->peers_count > 0 && (last > 0 || l->peers_there < l->peers_count);
-    if (!others_may_begin || b->lockstep.on) {
+    if (!others_may_begin || clock_by_steps(&b->clock)) {
         return last;
     }
     uint64_t begin = lane_after(b, last);
