@@ -55,7 +55,7 @@ FLOORS = {
     "sim": None,
     "broker/base": "base.h",
     "broker/names": "names.h",
-    "broker/lockstep": "lockstep.h",
+    "broker/steps": "steps.h",
     "broker/directory": "directory.h",
     "broker/mail": "mail.h",
     "broker/delivery": "delivery.h",

@@ -269,7 +269,7 @@ void quota_subtract(struct quota_use *use, const struct quota_use *less);
 
 /* The store's accounts.  Those of the lock step are apart: what others send by the wall clock does
  * not change what a sender in it may send. */
-enum quota_side { QUOTA_OUTSIDE, QUOTA_LOCKSTEP, QUOTA_SIDES };
+enum quota_side { QUOTA_OUTSIDE, QUOTA_INSIDE, QUOTA_SIDES };
 
 /* What both sides can hold together: others may have filled the store when a lock step begins, and
  * that has its half all the same. */

@@ -72,7 +72,7 @@ static struct quota_use side_most(enum quota_side side, bool halved)
 {
     struct quota_use most = {
         .mails = MU_MAILS_MAX, .bytes = MU_MAIL_BYTES_MAX, .posts = MU_POSTS_MAX};
-    if (halved || side == QUOTA_LOCKSTEP) {
+    if (halved || side == QUOTA_INSIDE) {
         use_shrink(&most, 2);
     }
     return most;

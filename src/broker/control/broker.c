@@ -54,7 +54,7 @@ struct broker *broker_open(const struct broker_options *options)
     alerts_init(&b->alerts, REGISTRY_MAX);
     limiter_init(&b->limiter, REGISTRY_MAX);
     receipts_init(&b->receipts, REGISTRY_MAX);
-    barrier_init(&b->lockstep, REGISTRY_MAX);
+    steps_init(&b->steps, REGISTRY_MAX);
     dispatch_init(&b->dispatch);
     snapshots_init(&b->snapshots);
     probes_init(&b->probes);
@@ -202,7 +202,7 @@ static void mail_take(struct broker *b, uint32_t sender, const muster_Mail *lett
         (effect != EFFECT_STEP && clock_by_steps(&b->clock) && route_meets_lockstep(b, m));
     if (effect != EFFECT_STEP && !outside) {
         (void)route_mail(b, m);
-    } else if (!barrier_keep(b, m, outside)) {
+    } else if (!steps_keep(b, m, outside)) {
         settle_turn_away(b, m);
     }
 }
@@ -230,7 +230,7 @@ static void act_take(struct broker *b, uint32_t place, const muster_Act *act, en
         return;
     }
     if (effect == EFFECT_STEP) {
-        barrier_keep_state(&b->lockstep, agent, act->state);
+        steps_keep_state(&b->steps, agent, act->state);
         snapshots_heard(b, agent, place);
     } else if (act->replays) {
         effect = EFFECT_REPLAY;
@@ -258,7 +258,7 @@ static void ack_take(struct broker *b, uint32_t place, const muster_Ack *ack)
     }
     snapshots_heard(b, agent, place);
     if (b->processes.at[place].rostered) {
-        barrier_keep_ack(&b->lockstep, agent, ack->number);
+        steps_keep_ack(&b->steps, agent, ack->number);
     } else {
         settle_acknowledge(b, agent, ack->number);
     }
@@ -286,19 +286,19 @@ void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
                          : MU_NONE;
     if (!good || place == MU_NONE) {
         b->counters.malformed++;
-        if (place != MU_NONE && barrier_wants(b, place, up->step)) {
+        if (place != MU_NONE && steps_wants(b, place, up->step)) {
             step_answered(b, place); /* the others need not wait for a better answer */
         }
         return;
     }
     enum up_effect effect = EFFECT_NOW;
     if (b->processes.at[place].rostered) {
-        if (up->step != muster_STEP_NOW && !barrier_wants(b, place, up->step)) {
+        if (up->step != muster_STEP_NOW && !steps_wants(b, place, up->step)) {
             return;
         }
         effect = up->step == muster_STEP_NOW ? EFFECT_STEP_AS_OUTSIDE : EFFECT_STEP;
     }
-    barrier_open_turn(&b->lockstep);
+    steps_open_turn(&b->steps);
     acks_take(b, place, up);
     for (uint32_t i = 0; i < up->acts._length && !b->processes.at[place].is_broker; i++) {
         act_take(b, place, &up->acts._buffer[i], effect);
@@ -598,7 +598,7 @@ bool broker_event_next(struct broker *b, muster_BrokerEvent *out)
 
 uint32_t broker_samples_wanted(const struct broker *b)
 {
-    return b->probes.count > 0 ? 1 : barrier_missing(&b->lockstep);
+    return b->probes.count > 0 ? 1 : steps_missing(&b->steps);
 }
 
 bool broker_in_lockstep(const struct broker *b)

@@ -21,10 +21,10 @@
 #include "broker/control/broker.h"
 #include "broker/delivery/delivery.h"
 #include "broker/directory/directory.h"
-#include "broker/lockstep/lockstep.h"
 #include "broker/mail/mail.h"
 #include "broker/names/names.h"
 #include "broker/services/services.h"
+#include "broker/steps/steps.h"
 
 /* A line of the white pages as text, in bytes. */
 enum { BROKER_LINE_MAX = 384 };
@@ -55,7 +55,7 @@ struct broker {
     struct timers replays; /* mails of a recording, which nobody has been told of yet */
     struct mailbox mailbox;
     struct receipts receipts;
-    struct lockstep lockstep;
+    struct steps steps;
     struct dispatch dispatch;
     struct multicast multicast;
     struct pacing pacing;

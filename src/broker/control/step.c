@@ -14,9 +14,9 @@
 
 static void acks_apply(struct broker *b)
 {
-    for (uint32_t i = 0; i < b->lockstep.active_count; i++) {
-        uint32_t agent = b->lockstep.active[i];
-        struct turn *turn = &b->lockstep.turns[agent];
+    for (uint32_t i = 0; i < b->steps.active_count; i++) {
+        uint32_t agent = b->steps.active[i];
+        struct turn *turn = &b->steps.turns[agent];
         if (turn->has_ack) {
             turn->has_ack = false;
             settle_acknowledge(b, agent, turn->ack);
@@ -26,9 +26,9 @@ static void acks_apply(struct broker *b)
 
 static void states_apply(struct broker *b)
 {
-    for (uint32_t i = 0; i < b->lockstep.active_count; i++) {
-        uint32_t agent = b->lockstep.active[i];
-        struct turn *turn = &b->lockstep.turns[agent];
+    for (uint32_t i = 0; i < b->steps.active_count; i++) {
+        uint32_t agent = b->steps.active[i];
+        struct turn *turn = &b->steps.turns[agent];
         if (!turn->has_state) {
             continue;
         }
@@ -46,9 +46,9 @@ static void states_apply(struct broker *b)
 
 static void mails_apply(struct broker *b)
 {
-    for (uint32_t i = 0; i < b->lockstep.active_count; i++) {
-        struct turn *turn = &b->lockstep.turns[b->lockstep.active[i]];
-        for (struct mail *m = barrier_pop(&turn->mails); m; m = barrier_pop(&turn->mails)) {
+    for (uint32_t i = 0; i < b->steps.active_count; i++) {
+        struct turn *turn = &b->steps.turns[b->steps.active[i]];
+        for (struct mail *m = steps_pop(&turn->mails); m; m = steps_pop(&turn->mails)) {
             (void)route_mail(b, m);
         }
     }
@@ -56,9 +56,9 @@ static void mails_apply(struct broker *b)
 
 static void outside_take(struct broker *b, struct turn *turn)
 {
-    struct lockstep *l = &b->lockstep;
-    struct mail *m = barrier_pop(&turn->outside);
-    barrier_count_outside(l, m, UINT32_MAX); /* one less */
+    struct steps *l = &b->steps;
+    struct mail *m = steps_pop(&turn->outside);
+    steps_count_outside(l, m, UINT32_MAX); /* one less */
     struct quota_use less = {.mails = 1, .bytes = pool_bytes(m)};
     quota_subtract(&turn->outside_use, &less);
     quota_subtract(&l->outside_use, &less);
@@ -73,12 +73,12 @@ static void outside_take(struct broker *b, struct turn *turn)
 /* Those that have room go in order of (sender, number), as a recording is put in again. */
 static void outside_apply(struct broker *b)
 {
-    struct lockstep *l = &b->lockstep;
-    uint32_t share = barrier_outside_share(l), spare = barrier_outside_spare(l, share);
+    struct steps *l = &b->steps;
+    uint32_t share = steps_outside_share(l), spare = steps_outside_spare(l, share);
     for (uint32_t i = 0; i < l->active_count && l->outside_waiting > 0; i++) {
         struct turn *turn = &l->turns[l->active[i]];
         uint32_t left = share;
-        while (turn->outside.first && left + spare > 0 && l->told_count < LOCKSTEP_OUTSIDE_MAX) {
+        while (turn->outside.first && left + spare > 0 && l->told_count < STEPS_OUTSIDE_MAX) {
             outside_take(b, turn);
             *(left > 0 ? &left : &spare) -= 1;
         }
@@ -112,7 +112,7 @@ static void replays_keep(struct broker *b, uint64_t run_ns)
     for (struct mail *m = timers_first(&b->replays); m && m->at_ns[TIMERS_DUE] <= run_ns;
          m = timers_first(&b->replays)) {
         timers_remove(&b->replays, m);
-        if (!barrier_keep(b, m, true)) {
+        if (!steps_keep(b, m, true)) {
             settle_turn_away(b, m);
         }
     }
@@ -122,7 +122,7 @@ static void step_apply(struct broker *b)
 {
     clock_step_begin(&b->clock);
     replays_keep(b, clock_run_ns(&b->clock));
-    barrier_order_turns(b);
+    steps_order_turns(b);
     acks_apply(b);
     settle_expire(b, clock_mail_ns(&b->clock));
     notify_expire(b, clock_mail_ns(&b->clock));
@@ -130,7 +130,7 @@ static void step_apply(struct broker *b)
     mails_apply(b);
     outside_apply(b);
     route_resolve_expire(b, clock_mail_ns(&b->clock));
-    barrier_close_turns(&b->lockstep);
+    steps_close_turns(&b->steps);
     settle_admit_due(b, clock_run_ns(&b->clock));
     clock_step_end(&b->clock);
 }
@@ -143,7 +143,7 @@ static uint64_t step_time_ns(const struct broker *b, int64_t step)
 /* Everything of the step takes effect, and the next step begins. */
 static void step_end(struct broker *b)
 {
-    struct lockstep *l = &b->lockstep;
+    struct steps *l = &b->steps;
     clock_step(&b->clock, step_time_ns(b, l->step + 1));
     step_apply(b);
     l->step++;
@@ -153,18 +153,18 @@ static void step_end(struct broker *b)
     }
     l->awaits_moves = true;
     if (!transfer_step_ended(b)) {
-        barrier_release(b);
+        steps_release(b);
     }
 }
 
-static bool step_is_complete(const struct lockstep *l)
+static bool step_is_complete(const struct steps *l)
 {
     return l->roster_count > 0 && l->answered == l->roster_count && !l->held;
 }
 
 void step_answered(struct broker *b, uint32_t place)
 {
-    struct lockstep *l = &b->lockstep;
+    struct steps *l = &b->steps;
     b->processes.at[place].answered = true;
     l->answered++;
     if (step_is_complete(l)) {
@@ -216,13 +216,13 @@ static void turns_drop(struct broker *b, uint32_t place)
 {
     for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
          agent = residents_next(&b->registry, &b->processes, agent)) {
-        struct turn *turn = &b->lockstep.turns[agent];
+        struct turn *turn = &b->steps.turns[agent];
         turn->has_ack = turn->has_state = false;
-        struct mail *m = barrier_pop(&turn->mails);
+        struct mail *m = steps_pop(&turn->mails);
         if (m && m->letter.seq <= b->registry.agents[agent].seen_seq) {
             b->registry.agents[agent].seen_seq = m->letter.seq - 1; /* it was never said */
         }
-        for (; m; m = barrier_pop(&turn->mails)) {
+        for (; m; m = steps_pop(&turn->mails)) {
             settle_drop(b, m);
         }
     }
@@ -249,7 +249,7 @@ static void residents_let_go(struct broker *b, uint32_t place)
 /* Lets go of the processes that a new roster does not name. */
 static void roster_shrink(struct broker *b, const muster_Roster *roster)
 {
-    struct lockstep *l = &b->lockstep;
+    struct steps *l = &b->steps;
     uint32_t kept = 0;
     for (uint32_t i = 0; i < l->roster_count; i++) {
         uint32_t place = l->roster[i];
@@ -280,7 +280,7 @@ static void lines_tell(struct broker *b, uint32_t place)
 /* Takes in the processes that a new roster names. */
 static void roster_grow(struct broker *b, const muster_Roster *roster, bool in_mid_run)
 {
-    struct lockstep *l = &b->lockstep;
+    struct steps *l = &b->steps;
     for (uint32_t i = 0; i < roster->processes._length; i++) {
         uint32_t place = processes_get(&b->processes, roster->processes._buffer[i]);
         if (place == MU_NONE) {
@@ -298,8 +298,8 @@ static void roster_grow(struct broker *b, const muster_Roster *roster, bool in_m
 /* Whoever's mail waited for a process that was to come gets it. */
 static void lockstep_hold(struct broker *b, bool held)
 {
-    bool ends = b->lockstep.held && !held;
-    b->lockstep.held = held;
+    bool ends = b->steps.held && !held;
+    b->steps.held = held;
     for (uint32_t agent = 0; ends && agent < b->registry.count; agent++) {
         if (!names_in_lockstep(b, agent)) {
             residents_wake(&b->registry, &b->processes, agent);
@@ -323,15 +323,15 @@ static void counters_keep(struct broker *b)
 
 static void lockstep_end(struct broker *b)
 {
-    struct lockstep *l = &b->lockstep;
+    struct steps *l = &b->steps;
     counters_keep(b);
     l->awaits_moves = false;
     transfer_lockstep_over(b);
     do { /* nothing that was admitted is lost */
-        barrier_told(b);
+        steps_told(b);
         step_apply(b);
     } while (l->outside_waiting > 0);
-    barrier_told(b);
+    steps_told(b);
     clock_start(&b->clock, 0, clock_run_ns(&b->clock));
     lockstep_hold(b, false);
     replays_drop(b);
@@ -362,7 +362,7 @@ static void run_forget(struct broker *b)
 
 static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32_t simulator)
 {
-    struct lockstep *l = &b->lockstep;
+    struct steps *l = &b->steps;
     run_forget(b);
     route_resolve_give_up(b);
     clock_start(&b->clock, roster->step_ns, (uint64_t)roster->step * roster->step_ns);
@@ -384,7 +384,7 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
 /* A run that goes on with other processes, from this step or the next. */
 static void lockstep_change(struct broker *b, const muster_Roster *roster)
 {
-    struct lockstep *l = &b->lockstep;
+    struct steps *l = &b->steps;
     lockstep_hold(b, roster->held);
     roster_shrink(b, roster);
     roster_grow(b, roster, true);
@@ -396,18 +396,18 @@ static void lockstep_change(struct broker *b, const muster_Roster *roster)
 /* Each process gets the Delivery before the current step, and gets it once. */
 static void deliveries_owe(struct broker *b)
 {
-    struct lockstep *l = &b->lockstep;
+    struct steps *l = &b->steps;
     for (uint32_t i = 0; i <= l->roster_count; i++) {
         uint32_t place = i < l->roster_count ? l->roster[i] : l->simulator;
         if (b->processes.at[place].step_had != l->step - 1) {
-            barrier_owe_delivery(b, place);
+            steps_owe_delivery(b, place);
         }
     }
 }
 
 void step_set_roster(struct broker *b, const muster_Roster *roster)
 {
-    struct lockstep *l = &b->lockstep;
+    struct steps *l = &b->steps;
     bool same = clock_by_steps(&b->clock) &&
                 strcmp(b->processes.at[l->simulator].name, roster->simulator) == 0;
     if (!roster->lockstep) {

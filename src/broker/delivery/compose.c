@@ -18,7 +18,7 @@ bool compose_is_awake(const struct broker *b, bool lockstep)
     if (b->dispatch.interval_ns == 0 || !lockstep) {
         return b->dispatch.interval_ns == 0 || b->dispatch.awake;
     }
-    return (uint64_t)b->lockstep.step % interval_steps(b) == 0;
+    return (uint64_t)b->steps.step % interval_steps(b) == 0;
 }
 
 /* @return how much longer a mail has waited than it had without an interval, at most */
@@ -48,7 +48,7 @@ static bool parcels_fill(struct broker *b, struct dispatch_part *part, struct di
                          muster_Delivery *d)
 {
     uint32_t agent = part->agent;
-    if (!mailbox_is_begun(&b->mailbox, agent) || barrier_awaits(b, agent)) {
+    if (!mailbox_is_begun(&b->mailbox, agent) || steps_awaits(b, agent)) {
         return true;
     }
     struct box *box = mailbox_box(&b->mailbox, agent);
@@ -135,7 +135,7 @@ static bool line_is_shown(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
     bool from_the_start =
-        changelog_version(&b->registry.changes, agent) <= b->lockstep.start_version &&
+        changelog_version(&b->registry.changes, agent) <= b->steps.start_version &&
         !a->is.no_broadcasts && a->is.home[0] == '\0';
     return !b->dispatch.open_lockstep || from_the_start || a->ended || names_in_lockstep(b, agent);
 }
@@ -187,8 +187,8 @@ static void members_fill(struct broker *b, const struct process *at, muster_Deli
 
 static void outside_fill(struct broker *b, muster_Delivery *d)
 {
-    for (uint32_t i = 0; i < b->lockstep.told_count; i++) {
-        d->outside._buffer[d->outside._length++] = b->lockstep.told[i]->letter;
+    for (uint32_t i = 0; i < b->steps.told_count; i++) {
+        d->outside._buffer[d->outside._length++] = b->steps.told[i]->letter;
     }
 }
 
@@ -287,14 +287,14 @@ bool compose_fill(struct broker *b, uint32_t place, muster_Delivery *d)
     struct dispatch *c = &b->dispatch;
     struct process *at = &b->processes.at[place];
     c->open_lockstep = at->rostered || at->simulator;
-    if (c->open_lockstep && (!at->step_due || b->lockstep.awaits_moves)) {
+    if (c->open_lockstep && (!at->step_due || b->steps.awaits_moves)) {
         return false;
     }
-    c->open_version = c->open_lockstep ? b->lockstep.version : b->registry.changes.version;
+    c->open_version = c->open_lockstep ? b->steps.version : b->registry.changes.version;
     c->open_delay_ns = 0;
     delivery_begin(b, at, d);
     if (c->open_lockstep) {
-        d->step = b->lockstep.step - 1;
+        d->step = b->steps.step - 1;
     }
     parts_take(b, place);
     parts_fill(b, d);

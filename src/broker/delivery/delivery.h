@@ -216,7 +216,7 @@ struct dispatch {
     muster_Receipt *receipts;
     muster_Verdict verdicts[DISPATCH_AGENTS + PROCESSES_REFUSALS];
     muster_Member members[DISPATCH_MEMBERS];
-    muster_Mail outside[LOCKSTEP_OUTSIDE_MAX];
+    muster_Mail outside[STEPS_OUTSIDE_MAX];
 };
 
 void dispatch_init(struct dispatch *c);

@@ -218,9 +218,9 @@ void dispatch_delivered(struct broker *b)
     }
     if (c->open_lockstep) {
         at->step_due = false;
-        at->step_had = b->lockstep.step - 1;
+        at->step_had = b->steps.step - 1;
         if (at->simulator) {
-            barrier_told(b);
+            steps_told(b);
         }
     } else {
         processes_wake(&b->processes, c->open); /* there may be more than one Delivery could hold */

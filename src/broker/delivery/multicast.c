@@ -58,7 +58,7 @@ static bool post_is_ready(struct broker *b, uint32_t post)
     uint32_t agent = b->mailbox.posts[post].agent;
     const struct agent *a = &b->registry.agents[agent];
     return a->process != MU_NONE && place_is_ready(b, &b->processes.at[a->process]) && a->seated &&
-           !a->verdict_due && names_gate(b, agent) == GATE_OPEN && !barrier_awaits(b, agent) &&
+           !a->verdict_due && names_gate(b, agent) == GATE_OPEN && !steps_awaits(b, agent) &&
            mailbox_box(&b->mailbox, agent)->out == MU_NONE &&
            mailbox_next_is(&b->mailbox, agent, b->mailbox.posts[post].mail);
 }

@@ -6,7 +6,7 @@
 #ifndef MUSTER_BROKER_DIRECTORY_H
 #define MUSTER_BROKER_DIRECTORY_H
 
-#include "broker/lockstep/lockstep.h"
+#include "broker/steps/steps.h"
 #include "core/attributes.h"
 #include "core/fault.h"
 #include "core/pairs.h"

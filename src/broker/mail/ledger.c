@@ -34,7 +34,7 @@ static bool account_take(struct broker *b, struct mail *m, enum quota_side side,
 
 bool ledger_charge(struct broker *b, struct mail *m, uint32_t posts)
 {
-    m->side = names_in_lockstep(b, m->payer) ? QUOTA_LOCKSTEP : QUOTA_OUTSIDE;
+    m->side = names_in_lockstep(b, m->payer) ? QUOTA_INSIDE : QUOTA_OUTSIDE;
     return account_take(b, m, (enum quota_side)m->side, posts, &m->booked);
 }
 

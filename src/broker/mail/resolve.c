@@ -43,7 +43,7 @@ enum resolve_need resolve_needs(const struct broker *b, const struct mail *m)
     if (!follows && !(is_address && view_has_resolver(b, m->letter.dst))) {
         return RESOLVE_NOTHING;
     }
-    enum quota_side side = names_in_lockstep(b, m->sender) ? QUOTA_LOCKSTEP : QUOTA_OUTSIDE;
+    enum quota_side side = names_in_lockstep(b, m->sender) ? QUOTA_INSIDE : QUOTA_OUTSIDE;
     bool full = queue->count == MU_RESOLVE_SENDER_MAX || r->side_count[side] == MU_RESOLVE_MAX;
     return full ? RESOLVE_FULL : RESOLVE_WAIT;
 }

@@ -246,7 +246,7 @@ void lifecycle_set_state(struct broker *b, uint32_t agent, muster_State state)
 static void step_version_keep(struct broker *b, uint32_t agent)
 {
     uint64_t version = changelog_version(&b->registry.changes, agent);
-    if (names_in_lockstep(b, agent) && version <= b->lockstep.version) {
+    if (names_in_lockstep(b, agent) && version <= b->steps.version) {
         b->registry.agents[agent].step_version = version;
     }
 }

@@ -66,7 +66,7 @@ static void mail_take(struct broker *b, uint32_t agent, uint32_t sender, const m
     m->only = agent;
     if (!clock_by_steps(&b->clock) || !route_meets_lockstep(b, m)) {
         (void)route_mail(b, m);
-    } else if (!barrier_keep(b, m, true)) {
+    } else if (!steps_keep(b, m, true)) {
         settle_turn_away(b, m);
     }
 }
@@ -223,7 +223,7 @@ static uint32_t acks_ready(const struct broker *b, struct peer *p)
     uint32_t waiting = 0;
     for (uint32_t i = 0; i < p->acks_count; i++) {
         uint32_t agent = p->acks[i];
-        if (barrier_keeps_relayed(&b->lockstep, agent)) {
+        if (steps_keeps_relayed(&b->steps, agent)) {
             p->acks[i] = p->acks[waiting];
             p->acks[waiting++] = agent;
         }

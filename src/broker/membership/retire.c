@@ -65,12 +65,12 @@ static void hold_mails(struct broker *b)
     for (uint32_t i = 0; i < b->multicast.count; i++) {
         hold_mail(b, b->multicast.waiting[i]);
     }
-    for (uint32_t i = 0; i < b->lockstep.told_count; i++) {
-        hold_mail(b, b->lockstep.told[i]);
+    for (uint32_t i = 0; i < b->steps.told_count; i++) {
+        hold_mail(b, b->steps.told[i]);
     }
-    for (uint32_t i = 0; i < b->lockstep.active_count; i++) {
-        const struct turn *turn = &b->lockstep.turns[b->lockstep.active[i]];
-        hold(b, b->lockstep.active[i]);
+    for (uint32_t i = 0; i < b->steps.active_count; i++) {
+        const struct turn *turn = &b->steps.turns[b->steps.active[i]];
+        hold(b, b->steps.active[i]);
         hold_list(b, &turn->mails);
         hold_list(b, &turn->outside);
     }

@@ -17,7 +17,7 @@ static const uint64_t ORPHAN_NS = 2000000000;
 static void step_release(struct broker *b)
 {
     if (b->snapshots.holding == 0) {
-        barrier_release(b);
+        steps_release(b);
     }
 }
 
@@ -115,7 +115,7 @@ static void seat_tell(struct broker *b, struct snapshot *c)
     c->holds = false;
     c->seated = true;
     snapshots_tell(b, c, c->source, muster_TRIP_TAKEN, "");
-    snapshots_tell(b, c, b->lockstep.simulator, muster_TRIP_TAKEN, "");
+    snapshots_tell(b, c, b->steps.simulator, muster_TRIP_TAKEN, "");
 }
 
 static void seat_refuse(struct broker *b, struct snapshot *c, const char *reason)

@@ -286,7 +286,7 @@ static void test_a_file_with_too_much_mail(void)
     story_tick(3600 * SECOND);
     CU_ASSERT_EQUAL(story_status().waiting, 0);
     CU_ASSERT_EQUAL(story.b->quotas.all[QUOTA_OUTSIDE].mails, 0);
-    CU_ASSERT_EQUAL(story.b->quotas.all[QUOTA_LOCKSTEP].mails, 0);
+    CU_ASSERT_EQUAL(story.b->quotas.all[QUOTA_INSIDE].mails, 0);
 }
 
 static void test_a_file_with_mail_for_nobody(void)

@@ -557,7 +557,7 @@ static void answer_with_two(const char *name, int64_t step)
 static const char *share_what_is_left(bool red_first)
 {
     run_begin();
-    struct quota_use *all = &story.b->quotas.all[QUOTA_LOCKSTEP];
+    struct quota_use *all = &story.b->quotas.all[QUOTA_INSIDE];
     all->mails = MU_MAILS_MAX / 2 - MU_MAILS_MAX / 2 / 64 - 3;
     answer_with_two(red_first ? "red" : "green", 0);
     EXPECT("");
@@ -585,7 +585,7 @@ static void test_what_waits_outside_takes_nothing_of_those_inside(void)
         story_send("operator", i, i % 2 ? "blue" : "operator", "flood");
     }
     CU_ASSERT_TRUE(story_status().over_share > MU_MAILS_MAX / 2);
-    CU_ASSERT_EQUAL(story.b->quotas.all[QUOTA_LOCKSTEP].mails, 0);
+    CU_ASSERT_EQUAL(story.b->quotas.all[QUOTA_INSIDE].mails, 0);
     (void)story_collect();
     answer_with(letter("red", 1, "green", "hello"), 0);
     answer("green", 0);
@@ -612,7 +612,7 @@ static const char *write_outside(bool acknowledged)
         for (const char *c = story_collect(); (c = strstr(c, "; red ")); c++) {
             mu_text_format(&t, "%.*s", (int)strcspn(c + 2, ";") + 2, c);
         }
-        CU_ASSERT_TRUE(story.b->quotas.all[QUOTA_LOCKSTEP].mails <= 2);
+        CU_ASSERT_TRUE(story.b->quotas.all[QUOTA_INSIDE].mails <= 2);
         if (acknowledged) {
             story_ack("operator", mailbox_box(&story.b->mailbox, operator)->acked + 100);
         }
@@ -640,11 +640,11 @@ static void test_mail_that_is_refused_outside_arrives_inside(void)
     answer_with(letter("green", 1, "operator", "two"), 0);
     EXPECT("p-green@0; green #1 red/1 one; green 1-1 stored; p-red@0; red 1-1 stored; sim@0");
     CU_ASSERT_EQUAL(story_status().box_full, 2);
-    CU_ASSERT_EQUAL(story.b->quotas.all[QUOTA_LOCKSTEP].mails, 1);
+    CU_ASSERT_EQUAL(story.b->quotas.all[QUOTA_INSIDE].mails, 1);
     story_up("green", 1, muster_STATE_RUNNING, NULL, 0, 1);
     answer("red", 1);
     (void)story_collect();
-    CU_ASSERT_EQUAL(story.b->quotas.all[QUOTA_LOCKSTEP].mails, 0);
+    CU_ASSERT_EQUAL(story.b->quotas.all[QUOTA_INSIDE].mails, 0);
     CU_ASSERT_EQUAL(story.b->quotas.all[QUOTA_OUTSIDE].mails, MU_MAILS_MAX);
     CU_ASSERT_EQUAL(story_status().stored, 0);
 }
@@ -684,7 +684,7 @@ static void test_limit_bytes_of_a_step(void)
     story_up("red", 1, muster_STATE_RUNNING, mails, sent, 0);
     CU_ASSERT_EQUAL(story_status().over_share,
                     MU_OUTBOX_MAX - MU_STEP_BYTES_MAX / 4 * 3 / 4 / POOL_RECORD_MAX);
-    CU_ASSERT_EQUAL(story.b->lockstep.turns[registry_find(&story.b->registry, "red")].mails.count,
+    CU_ASSERT_EQUAL(story.b->steps.turns[registry_find(&story.b->registry, "red")].mails.count,
                     MU_STEP_BYTES_MAX / 4 * 3 / 4 / POOL_RECORD_MAX);
 }
 
@@ -702,10 +702,10 @@ static void test_limit_bytes_from_outside(void)
     CU_ASSERT_EQUAL(story_status().over_share, 1);
     story_send("blue", 1, "red", large);
     CU_ASSERT_EQUAL(story_status().over_share, 1);
-    CU_ASSERT_EQUAL(story.b->lockstep.outside_waiting, LONE + 1);
+    CU_ASSERT_EQUAL(story.b->steps.outside_waiting, LONE + 1);
     answer("red", 0);
     answer("green", 0);
-    CU_ASSERT_EQUAL(story.b->lockstep.outside_use.bytes, 0);
+    CU_ASSERT_EQUAL(story.b->steps.outside_use.bytes, 0);
 }
 
 int main(void)

@@ -185,7 +185,7 @@ static void test_the_order_of_mail_from_outside(void)
         story_send("red", 1, "green", "m");
         (void)story_collect();
         answer("green", 0);
-        uint64_t most = many + 1 < LOCKSTEP_OUTSIDE_MAX ? many + 1 : LOCKSTEP_OUTSIDE_MAX;
+        uint64_t most = many + 1 < STEPS_OUTSIDE_MAX ? many + 1 : STEPS_OUTSIDE_MAX;
         CU_ASSERT_EQUAL(outside_in_order(), most);
     }
 }
@@ -207,7 +207,7 @@ static void test_limit_who_comes_first_by_name(void)
 {
     uint64_t seq = 0;
     run_begin();
-    for (int i = 0; i < 2 * LOCKSTEP_OUTSIDE_MAX; i++) {
+    for (int i = 0; i < 2 * STEPS_OUTSIDE_MAX; i++) {
         story_send("operator", ++seq, "green", "m");
     }
     story_send("red", 1, "green", "mine");
@@ -225,7 +225,7 @@ static void test_limit_who_comes_first_by_name(void)
         broker_delivered(story.b, story.now_ns);
     }
     CU_ASSERT_TRUE(has_red);
-    CU_ASSERT_EQUAL(told, LOCKSTEP_OUTSIDE_MAX);
+    CU_ASSERT_EQUAL(told, STEPS_OUTSIDE_MAX);
 }
 
 int main(void)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/lockstep/lockstep.h"
+#include "broker/steps/steps.h"
 
 #include "broker/control/parts.h"
 #include "core/address.h"
@@ -11,9 +11,9 @@
 /* Mails that wait for the end of a step, in bytes of the store: from inside, and from outside. */
 enum { OUTSIDE_BYTES = MU_STEP_BYTES_MAX / 4, STEP_BYTES = MU_STEP_BYTES_MAX - OUTSIDE_BYTES };
 
-void barrier_init(struct lockstep *l, uint32_t agents)
+void steps_init(struct steps *l, uint32_t agents)
 {
-    *l = (struct lockstep){.simulator = MU_NONE};
+    *l = (struct steps){.simulator = MU_NONE};
     l->turns = mu_startup_array(agents, sizeof *l->turns);
     l->active = mu_startup_array(agents, sizeof *l->active);
 }
@@ -32,7 +32,7 @@ static void list_append(struct mail_list *list, struct mail *m)
     list->count++;
 }
 
-struct mail *barrier_pop(struct mail_list *list)
+struct mail *steps_pop(struct mail_list *list)
 {
     struct mail *m = list->first;
     if (m) {
@@ -43,7 +43,7 @@ struct mail *barrier_pop(struct mail_list *list)
     return m;
 }
 
-static struct turn *turn_open(struct lockstep *l, uint32_t agent)
+static struct turn *turn_open(struct steps *l, uint32_t agent)
 {
     struct turn *turn = &l->turns[agent];
     if (!turn->active) {
@@ -53,7 +53,7 @@ static struct turn *turn_open(struct lockstep *l, uint32_t agent)
     return turn;
 }
 
-void barrier_open_turn(struct lockstep *l)
+void steps_open_turn(struct steps *l)
 {
     uint32_t each = STEP_BYTES / (l->roster_count > 0 ? l->roster_count : 1);
     l->turn_bytes = each > POOL_RECORD_MAX ? each : POOL_RECORD_MAX;
@@ -79,7 +79,7 @@ static uint32_t mail_receiver(const struct broker *b, const struct mail *m)
     return registry_find(&b->registry, m->letter.dst);
 }
 
-void barrier_count_outside(struct lockstep *l, const struct mail *m, uint32_t by)
+void steps_count_outside(struct steps *l, const struct mail *m, uint32_t by)
 {
     bool is_relayed = m->letter.hops > 0 && m->letter.level != muster_LEVEL_RAM;
     l->outside_waiting += by;
@@ -90,9 +90,9 @@ void barrier_count_outside(struct lockstep *l, const struct mail *m, uint32_t by
     }
 }
 
-bool barrier_keep(struct broker *b, struct mail *m, bool from_outside)
+bool steps_keep(struct broker *b, struct mail *m, bool from_outside)
 {
-    struct lockstep *l = &b->lockstep;
+    struct steps *l = &b->steps;
     static const struct quota_use most = {.mails = UINT32_MAX, .bytes = OUTSIDE_BYTES};
     static const struct quota_use least = {.mails = UINT32_MAX, .bytes = OUTSIDE_BYTES / 64};
     struct turn *turn = turn_open(l, m->sender);
@@ -104,7 +104,7 @@ bool barrier_keep(struct broker *b, struct mail *m, bool from_outside)
         quota_add(&turn->outside_use, &want);
         quota_add(&l->outside_use, &want);
         m->kept_for = mail_receiver(b, m);
-        barrier_count_outside(l, m, 1);
+        steps_count_outside(l, m, 1);
     } else if (want.bytes > l->turn_bytes) {
         return false;
     } else {
@@ -114,20 +114,20 @@ bool barrier_keep(struct broker *b, struct mail *m, bool from_outside)
     return true;
 }
 
-bool barrier_keeps_before(const struct broker *b, const struct mail *m, uint32_t receiver)
+bool steps_keeps_before(const struct broker *b, const struct mail *m, uint32_t receiver)
 {
-    const struct lockstep *l = &b->lockstep;
+    const struct steps *l = &b->steps;
     const struct turn *turn = &l->turns[m->sender];
     bool may_overtake = l->turns[receiver].awaited > 0 || mail_is_durable(m);
     return turn->many > 0 || (turn->outside.first && may_overtake);
 }
 
-bool barrier_keeps_relayed(const struct lockstep *l, uint32_t agent)
+bool steps_keeps_relayed(const struct steps *l, uint32_t agent)
 {
     return l->turns[agent].relayed > 0;
 }
 
-void barrier_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number)
+void steps_keep_ack(struct steps *l, uint32_t agent, uint64_t number)
 {
     struct turn *turn = turn_open(l, agent);
     if (!turn->has_ack || number > turn->ack) {
@@ -136,23 +136,23 @@ void barrier_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number)
     turn->has_ack = true;
 }
 
-void barrier_keep_state(struct lockstep *l, uint32_t agent, muster_State state)
+void steps_keep_state(struct steps *l, uint32_t agent, muster_State state)
 {
     struct turn *turn = turn_open(l, agent);
     turn->has_state = true;
     turn->state = state;
 }
 
-bool barrier_wants(const struct broker *b, uint32_t place, int64_t step)
+bool steps_wants(const struct broker *b, uint32_t place, int64_t step)
 {
     const struct process *at = &b->processes.at[place];
-    return at->rostered && !at->answered && step == b->lockstep.step;
+    return at->rostered && !at->answered && step == b->steps.step;
 }
 
-bool barrier_awaits(const struct broker *b, uint32_t agent)
+bool steps_awaits(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
-    return b->lockstep.held && a->is.kind == muster_KIND_ROBOT &&
+    return b->steps.held && a->is.kind == muster_KIND_ROBOT &&
            !b->processes.at[a->process].rostered;
 }
 
@@ -163,13 +163,13 @@ static int agent_compare(const void *x, const void *y, const void *registry)
     return strcmp(r->agents[*one].name, r->agents[*other].name);
 }
 
-void barrier_order_turns(struct broker *b)
+void steps_order_turns(struct broker *b)
 {
-    struct lockstep *l = &b->lockstep;
+    struct steps *l = &b->steps;
     mu_sort(l->active, l->active_count, sizeof *l->active, agent_compare, &b->registry);
 }
 
-void barrier_close_turns(struct lockstep *l)
+void steps_close_turns(struct steps *l)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < l->active_count; i++) {
@@ -182,54 +182,54 @@ void barrier_close_turns(struct lockstep *l)
     l->active_count = kept;
 }
 
-uint32_t barrier_outside_share(const struct lockstep *l)
+uint32_t steps_outside_share(const struct steps *l)
 {
     uint32_t senders = 0;
     for (uint32_t i = 0; i < l->active_count; i++) {
         senders += l->turns[l->active[i]].outside.first != NULL;
     }
-    return senders < LOCKSTEP_OUTSIDE_MAX ? LOCKSTEP_OUTSIDE_MAX / (senders + !senders) : 1;
+    return senders < STEPS_OUTSIDE_MAX ? STEPS_OUTSIDE_MAX / (senders + !senders) : 1;
 }
 
-uint32_t barrier_outside_spare(const struct lockstep *l, uint32_t share)
+uint32_t steps_outside_spare(const struct steps *l, uint32_t share)
 {
     uint32_t used = l->told_count;
     for (uint32_t i = 0; i < l->active_count; i++) {
         uint32_t count = l->turns[l->active[i]].outside.count;
         used += count < share ? count : share;
     }
-    return used < LOCKSTEP_OUTSIDE_MAX ? LOCKSTEP_OUTSIDE_MAX - used : 0;
+    return used < STEPS_OUTSIDE_MAX ? STEPS_OUTSIDE_MAX - used : 0;
 }
 
-void barrier_told(struct broker *b)
+void steps_told(struct broker *b)
 {
-    struct lockstep *l = &b->lockstep;
+    struct steps *l = &b->steps;
     while (l->told_count > 0) {
         pool_release(&b->pool, l->told[--l->told_count]);
     }
 }
 
-void barrier_owe_delivery(struct broker *b, uint32_t place)
+void steps_owe_delivery(struct broker *b, uint32_t place)
 {
     b->processes.at[place].step_due = true;
     processes_wake(&b->processes, place);
 }
 
-void barrier_release(struct broker *b)
+void steps_release(struct broker *b)
 {
-    struct lockstep *l = &b->lockstep;
+    struct steps *l = &b->steps;
     if (!l->awaits_moves) {
         return;
     }
     l->awaits_moves = false;
     l->version = b->registry.changes.version;
     for (uint32_t i = 0; i < l->roster_count; i++) {
-        barrier_owe_delivery(b, l->roster[i]);
+        steps_owe_delivery(b, l->roster[i]);
     }
-    barrier_owe_delivery(b, l->simulator);
+    steps_owe_delivery(b, l->simulator);
 }
 
-uint32_t barrier_missing(const struct lockstep *l)
+uint32_t steps_missing(const struct steps *l)
 {
     return l->roster_count > l->answered ? l->roster_count - l->answered : 1;
 }

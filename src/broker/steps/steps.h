@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
- * @file lockstep.h
+ * @file steps.h
  * The barrier of a lock step: what is collected of a step before it takes effect.
  */
-#ifndef MUSTER_BROKER_LOCKSTEP_H
-#define MUSTER_BROKER_LOCKSTEP_H
+#ifndef MUSTER_BROKER_STEPS_H
+#define MUSTER_BROKER_STEPS_H
 
 #include "broker/names/names.h"
 
@@ -24,7 +24,7 @@ struct broker;
  */
 
 /* Mails from outside that take effect in one step; the others wait for the next one. */
-enum { LOCKSTEP_OUTSIDE_MAX = 1024 };
+enum { STEPS_OUTSIDE_MAX = 1024 };
 
 struct mail_list {
     struct mail *first, *last;
@@ -45,7 +45,7 @@ struct turn {
     muster_State state;
 };
 
-struct lockstep {
+struct steps {
     bool held;          /* the step does not end: a process of the roster is to come yet */
     bool awaits_moves;  /* the last step has no end yet: agents are on their way */
     int64_t step;       /* whose Ups are collected */
@@ -62,24 +62,24 @@ struct lockstep {
     struct quota_use outside_use; /* of mails from outside, until they take effect */
     uint32_t turn_bytes;          /* what the Up that is being taken may still bring */
     /* Mails from outside that took effect, in order, until the simulator has been told. */
-    struct mail *told[LOCKSTEP_OUTSIDE_MAX];
+    struct mail *told[STEPS_OUTSIDE_MAX];
     uint32_t told_count;
 };
 
-void barrier_init(struct lockstep *l, uint32_t agents);
+void steps_init(struct steps *l, uint32_t agents);
 
 /** @return whether an Up of this process and step is to be collected now */
-bool barrier_wants(const struct broker *b, uint32_t place, int64_t step);
+bool steps_wants(const struct broker *b, uint32_t place, int64_t step);
 
 /** @return whether this agent's process is not in the lock step yet, which is held for such ones:
  * its mail waits for its first step */
-bool barrier_awaits(const struct broker *b, uint32_t agent);
+bool steps_awaits(const struct broker *b, uint32_t agent);
 
 /** @return how many answers the step waits for; 1 when there is no lock step */
-uint32_t barrier_missing(const struct lockstep *l);
+uint32_t steps_missing(const struct steps *l);
 
 /** An Up begins: what it may bring depends on the roster alone, not on what came before it. */
-void barrier_open_turn(struct lockstep *l);
+void steps_open_turn(struct steps *l);
 
 /**
  * Keeps an admitted mail for the end of the step; what the store has room for is decided then.
@@ -87,44 +87,44 @@ void barrier_open_turn(struct lockstep *l);
  * @return false: it does not fit into its process's part of MU_STEP_BYTES_MAX, or, from outside,
  *         into its sender's share of a quarter of that
  */
-bool barrier_keep(struct broker *b, struct mail *m, bool from_outside);
+bool steps_keep(struct broker *b, struct mail *m, bool from_outside);
 
 /** @return whether mail for an agent waits here that is on another broker's disk alone */
-bool barrier_keeps_relayed(const struct lockstep *l, uint32_t agent);
+bool steps_keeps_relayed(const struct steps *l, uint32_t agent);
 
-void barrier_keep_ack(struct lockstep *l, uint32_t agent, uint64_t number);
-void barrier_keep_state(struct lockstep *l, uint32_t agent, muster_State state);
+void steps_keep_ack(struct steps *l, uint32_t agent, uint64_t number);
+void steps_keep_state(struct steps *l, uint32_t agent, muster_State state);
 
 /**
  * @return whether mail of the same sender waits here that a mail to that agent must not overtake:
  *         it is for many, or for that agent, which may have left the lock step since; or this one
  *         is for the disk, which is to have what was sent before
  */
-bool barrier_keeps_before(const struct broker *b, const struct mail *m, uint32_t receiver);
+bool steps_keeps_before(const struct broker *b, const struct mail *m, uint32_t receiver);
 
 /** No agent is on its way any more: the step that was held ends. */
-void barrier_release(struct broker *b);
+void steps_release(struct broker *b);
 
 /** The simulator has been told of the mails from outside. */
-void barrier_told(struct broker *b);
+void steps_told(struct broker *b);
 
-void barrier_owe_delivery(struct broker *b, uint32_t place);
+void steps_owe_delivery(struct broker *b, uint32_t place);
 
-struct mail *barrier_pop(struct mail_list *list);
+struct mail *steps_pop(struct mail_list *list);
 
 /** Counts a mail from outside that is kept, or is kept no longer. */
-void barrier_count_outside(struct lockstep *l, const struct mail *m, uint32_t by);
+void steps_count_outside(struct steps *l, const struct mail *m, uint32_t by);
 
 /** @return how many mails of one sender have room in a step if all who have some get as much */
-uint32_t barrier_outside_share(const struct lockstep *l);
+uint32_t steps_outside_share(const struct steps *l);
 
 /** @return how many have room beyond the shares: of who comes first by name */
-uint32_t barrier_outside_spare(const struct lockstep *l, uint32_t share);
+uint32_t steps_outside_spare(const struct steps *l, uint32_t share);
 
 /** The next step begins with those of whom something is left. */
-void barrier_close_turns(struct lockstep *l);
+void steps_close_turns(struct steps *l);
 
 /** Who was collected first depends on the clock; what takes effect first does not. */
-void barrier_order_turns(struct broker *b);
+void steps_order_turns(struct broker *b);
 
 #endif
