@@ -28,6 +28,7 @@ static void broker_enlist(struct broker *b, const struct broker_options *options
         uint32_t index = registry_add(&b->registry, name);
         MU_ASSERT(index == own);
         registry_seat(&b->registry, own, MU_NONE, "", &is, options->wall_ns);
+        b->registry.agents[own].scope = scope_of_line(own != REGISTRY_BROKER);
         is.no_broadcasts = true;
     }
 }

@@ -178,6 +178,7 @@ static void place_enter(struct broker *b, uint32_t place)
 {
     struct process *at = &b->processes.at[place];
     at->rostered = true;
+    steps_set_scope(b, place, SCOPE_RUN);
     at->answered = false;
     at->step_due = false;
     at->step_had = INT64_MIN;
@@ -193,6 +194,7 @@ static void place_leave(struct broker *b, uint32_t place)
 {
     struct process *at = &b->processes.at[place];
     at->rostered = false;
+    steps_set_scope(b, place, SCOPE_OPEN);
     at->answered = false;
     at->step_due = false;
     view_forget_told(at); /* it was not shown all */
@@ -299,7 +301,7 @@ static void roster_grow(struct broker *b, const muster_Roster *roster, bool in_m
 static void lockstep_hold(struct broker *b, bool held)
 {
     bool ends = b->steps.held && !held;
-    b->steps.held = held;
+    steps_set_held(b, held);
     for (uint32_t agent = 0; ends && agent < b->registry.count; agent++) {
         if (!names_in_lockstep(b, agent)) {
             residents_wake(&b->registry, &b->processes, agent);
@@ -339,6 +341,7 @@ static void lockstep_end(struct broker *b)
     l->roster_count = l->answered = 0;
     l->simulator = MU_NONE;
     b->processes.at[simulator].simulator = false;
+    steps_set_scope(b, simulator, SCOPE_OPEN);
     b->processes.at[simulator].step_due = false;
     for (uint32_t i = 0; i < count; i++) {
         b->processes.at[l->roster[i]].version_had =
@@ -366,10 +369,11 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
     run_forget(b);
     route_resolve_give_up(b);
     clock_start(&b->clock, roster->step_ns, (uint64_t)roster->step * roster->step_ns);
-    l->held = roster->held;
+    steps_set_held(b, roster->held);
     l->step = roster->step;
     l->simulator = simulator;
     b->processes.at[simulator].simulator = true;
+    steps_set_scope(b, simulator, SCOPE_BESIDE);
     b->processes.at[simulator].step_had = INT64_MIN;
     roster_grow(b, roster, false);
     settle_admit_due(b, clock_run_ns(&b->clock));

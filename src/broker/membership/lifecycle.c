@@ -179,6 +179,7 @@ void lifecycle_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t s
     processes_accept(&b->processes, place, b->registry.agents[agent].name);
     box_follow(b, agent, is);
     registry_seat(&b->registry, agent, place, b->processes.at[place].name, is, clock_wall_ns(b));
+    steps_rescope(b, agent);
     names_owe_verdict(b, agent);
     journal_agent(b, agent);
     mailbox_repeat(&b->mailbox, agent);
@@ -208,6 +209,7 @@ void lifecycle_depart(struct broker *b, uint32_t agent)
     uint32_t place = a->process;
     residents_remove(&b->registry, &b->processes, agent);
     registry_unseat(&b->registry, agent, clock_wall_ns(b));
+    steps_rescope(b, agent);
     a->ended = b->clock.mode == CLOCK_STEP_ENDS;
     a->passed = a->ended;
     mailbox_unwatch(&b->mailbox, agent);
@@ -267,7 +269,9 @@ void lifecycle_reregister(struct broker *b, uint32_t agent, uint32_t slot, struc
     }
     box_follow(b, agent, is);
     step_version_keep(b, agent);
-    if (registry_update(&b->registry, agent, is, clock_wall_ns(b))) {
+    bool changed = registry_update(&b->registry, agent, is, clock_wall_ns(b));
+    steps_rescope(b, agent);
+    if (changed) {
         journal_agent(b, agent);
         names_changed(b);
         residents_wake(&b->registry, &b->processes, agent);

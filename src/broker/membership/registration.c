@@ -236,7 +236,10 @@ static uint32_t place_hear(struct broker *b, const muster_Registration *r)
         view_forget_told(at);
     }
     at->incarnation = r->incarnation;
-    at->watches = r->watches;
+    if (at->watches != r->watches) {
+        at->watches = r->watches;
+        steps_set_scope(b, place, at->scope);
+    }
     if (at->lost) {
         at->lost = false;
         at->roll_call_due = r->part > 0 || at->parts_top > 1;

@@ -11,7 +11,9 @@
 bool names_is_paced(const struct broker *b, uint32_t agent)
 {
     uint32_t place = b->registry.agents[agent].process;
-    return place != MU_NONE && b->processes.at[place].rostered;
+    bool paced = place != MU_NONE && b->processes.at[place].rostered;
+    MU_ASSERT(paced == scope_is_paced(b->registry.agents[agent].scope));
+    return paced;
 }
 
 bool names_in_lockstep(const struct broker *b, uint32_t agent)
@@ -19,7 +21,9 @@ bool names_in_lockstep(const struct broker *b, uint32_t agent)
     const struct agent *a = &b->registry.agents[agent];
     bool looks_on = a->process != MU_NONE && b->processes.at[a->process].watches &&
                     a->is.kind == muster_KIND_SPECIAL;
-    return names_is_paced(b, agent) && !looks_on;
+    bool inside = names_is_paced(b, agent) && !looks_on;
+    MU_ASSERT(inside == scope_is_inside(a->scope));
+    return inside;
 }
 
 void names_confirm(struct broker *b, uint32_t agent, uint64_t number)

@@ -79,6 +79,7 @@ struct agent {
     char name[MU_NAME_MAX + 1];
     char place[MU_PROCESS_MAX + 1]; /* its process, or the last one that it had */
     uint32_t process;               /* MU_NONE when absent */
+    uint8_t scope;                  /* enum scope: see steps.h */
     uint32_t left;                  /* the seat that a lock step took it from, or MU_NONE */
     uint64_t left_wall_ns;          /* since when who left that had its name */
     uint32_t claim;                 /* the first one on its name: see claims.h; MU_NONE: nobody's */
@@ -302,6 +303,7 @@ struct resident_ends {
 
 struct process {
     char name[MU_PROCESS_MAX + 1];
+    uint8_t scope; /* enum scope: see steps.h */
     bool used;
     bool matched;
     bool rostered;         /* a lock step waits for it */

@@ -18,6 +18,37 @@ void steps_init(struct steps *l, uint32_t agents)
     l->active = mu_startup_array(agents, sizeof *l->active);
 }
 
+/* --- scopes ----------------------------------------------------------------------------------- */
+
+void steps_rescope(struct broker *b, uint32_t agent)
+{
+    struct agent *a = &b->registry.agents[agent];
+    if (a->process == MU_NONE) {
+        a->scope = registry_is_own(agent) ? a->scope : SCOPE_OPEN;
+        return;
+    }
+    const struct process *at = &b->processes.at[a->process];
+    a->scope = scope_of_agent(at->scope, at->watches && a->is.kind == muster_KIND_SPECIAL,
+                              b->steps.held && a->is.kind == muster_KIND_ROBOT);
+}
+
+void steps_set_scope(struct broker *b, uint32_t place, enum scope scope)
+{
+    b->processes.at[place].scope = scope;
+    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
+         agent = residents_next(&b->registry, &b->processes, agent)) {
+        steps_rescope(b, agent);
+    }
+}
+
+void steps_set_held(struct broker *b, bool held)
+{
+    b->steps.held = held;
+    for (uint32_t agent = REGISTRY_OWN; agent < b->registry.count; agent++) {
+        steps_rescope(b, agent);
+    }
+}
+
 /* --- collecting ------------------------------------------------------------------------------- */
 
 static void list_append(struct mail_list *list, struct mail *m)
@@ -152,8 +183,10 @@ bool steps_wants(const struct broker *b, uint32_t place, int64_t step)
 bool steps_awaits(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
-    return b->steps.held && a->is.kind == muster_KIND_ROBOT &&
-           !b->processes.at[a->process].rostered;
+    bool awaits =
+        b->steps.held && a->is.kind == muster_KIND_ROBOT && !b->processes.at[a->process].rostered;
+    MU_ASSERT(awaits == scope_waits(a->scope));
+    return awaits;
 }
 
 static int agent_compare(const void *x, const void *y, const void *registry)
