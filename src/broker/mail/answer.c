@@ -7,8 +7,8 @@
 
 #include <string.h>
 
-/* Answers to others than members of the lock step count from here, so that a question from
- * outside does not shift the numbers inside a run. */
+/* Answers outside count from here, so that a question from there does not shift the numbers
+ * inside. */
 static const uint64_t OUTSIDE_ANSWERS = 1ull << 62;
 
 /* All brokers answer as `broker`, and some answers cross: each of several has so many numbers of
@@ -28,7 +28,7 @@ void answer_begin(struct broker *b, struct mu_text *t, const char *word)
 
 static void answer_post(struct broker *b, uint32_t own, uint32_t receiver, muster_Mail *m)
 {
-    bool inside = names_in_lockstep(b, receiver);
+    bool inside = scope_is_inside(names_scope(b, receiver));
     m->src = b->registry.agents[own].name;
     m->dst = b->registry.agents[receiver].name;
     m->layer = 2;

@@ -15,8 +15,7 @@
 /* Begins reply_with of a question, and so in_reply_to of its answer. */
 static const char TICKET[] = "resolve-";
 
-/* Tickets for others than members of the lock step count from here: a question from outside does
- * not shift those inside a run. */
+/* Tickets for questions outside count from here: those do not shift the tickets inside. */
 static const uint64_t OUTSIDE_TICKETS = 1ull << 62;
 
 void resolve_init(struct resolve *r, uint32_t agents)
@@ -43,7 +42,7 @@ enum resolve_need resolve_needs(const struct broker *b, const struct mail *m)
     if (!follows && !(is_address && view_has_resolver(b, m->letter.dst))) {
         return RESOLVE_NOTHING;
     }
-    enum quota_side side = names_in_lockstep(b, m->sender) ? QUOTA_INSIDE : QUOTA_OUTSIDE;
+    enum quota_side side = scope_account(names_scope(b, m->sender));
     bool full = queue->count == MU_RESOLVE_SENDER_MAX || r->side_count[side] == MU_RESOLVE_MAX;
     return full ? RESOLVE_FULL : RESOLVE_WAIT;
 }
@@ -56,7 +55,7 @@ static void resolver_ask(struct broker *b, uint32_t index)
     struct mu_text t;
     struct resolve *r = &b->resolve;
     struct resolve_wait *w = &r->waits[index];
-    bool inside = names_in_lockstep(b, w->resolver);
+    bool inside = scope_is_inside(names_scope(b, w->resolver));
     w->state = RESOLVE_ASKED;
     w->ticket = (inside ? 0 : OUTSIDE_TICKETS) + ++r->tickets[inside];
     w->until_ns = w->since_ns + clock_patience_ns(&b->clock, RESOLVE_PATIENCE_MS * 1000000ull,

@@ -8,6 +8,11 @@
 
 #include <string.h>
 
+uint8_t names_scope(const struct broker *b, uint32_t agent)
+{
+    return b->registry.agents[agent].scope;
+}
+
 bool names_is_paced(const struct broker *b, uint32_t agent)
 {
     uint32_t place = b->registry.agents[agent].process;

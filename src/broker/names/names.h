@@ -436,6 +436,9 @@ enum mailbox_gate names_gate(const struct broker *b, uint32_t agent);
  */
 void names_confirm(struct broker *b, uint32_t agent, uint64_t number);
 
+/** @return the agent's scope, for the rules of steps.h */
+uint8_t names_scope(const struct broker *b, uint32_t agent);
+
 /** @return whether the agent's process is in a lock step that is on */
 bool names_in_lockstep(const struct broker *b, uint32_t agent);
 
