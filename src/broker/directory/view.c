@@ -28,7 +28,7 @@ void view_init(struct pages *p)
 
 bool view_inside(const struct broker *b, uint32_t agent)
 {
-    return clock_by_steps(&b->clock) && names_in_lockstep(b, agent);
+    return scope_is_inside(names_scope(b, agent));
 }
 
 bool view_shows(const struct broker *b, uint32_t line, bool inside)

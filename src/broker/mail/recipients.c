@@ -10,8 +10,7 @@
 
 bool recipients_veils(const struct broker *b, const struct mail *m, uint32_t agent)
 {
-    return !registry_is_own(agent) && names_in_lockstep(b, m->sender) &&
-           !names_in_lockstep(b, agent);
+    return scope_crosses(names_scope(b, m->sender), names_scope(b, agent));
 }
 
 void recipients_unveil(const struct broker *b, const struct mail *m, struct recipients *to)
@@ -27,10 +26,9 @@ void recipients_unveil(const struct broker *b, const struct mail *m, struct reci
 
 /* --- by name ---------------------------------------------------------------------------------- */
 
-/* Who is in the lock step does not see the broker's parts. */
 static bool is_hidden(const struct broker *b, uint32_t agent, uint32_t sender)
 {
-    return agent != REGISTRY_BROKER && registry_is_own(agent) && names_in_lockstep(b, sender);
+    return !scope_addresses(names_scope(b, sender), names_scope(b, agent));
 }
 
 void recipients_of_names(struct broker *b, const char *names, uint32_t sender,
@@ -61,7 +59,8 @@ void recipients_of_answer(struct broker *b, const char *names, uint32_t sender,
     while (mu_fields_next(&names, &read) || read.cut) {
         uint32_t agent = read.cut ? MU_NONE : registry_find(&b->registry, name);
         if (agent != MU_NONE && agent != sender && !registry_is_own(agent) &&
-            b->registry.agents[agent].mark != mark && (open || !names_in_lockstep(b, agent))) {
+            b->registry.agents[agent].mark != mark &&
+            (open || !scope_is_inside(names_scope(b, agent)))) {
             b->registry.agents[agent].mark = mark;
             to->agents[to->count++] = agent;
         }
@@ -112,7 +111,7 @@ static bool kind_is_addressed(enum mu_address_kind kind, muster_Kind of)
  * the wall clock. */
 static bool is_too_far(const struct broker *b, uint32_t agent, uint32_t sender)
 {
-    return names_is_beyond(b, agent) && names_in_lockstep(b, sender);
+    return names_is_beyond(b, agent) && scope_is_inside(names_scope(b, sender));
 }
 
 void recipients_of_letter(struct broker *b, const muster_Mail *letter, uint32_t sender,

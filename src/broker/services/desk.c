@@ -21,12 +21,9 @@ void desk_take(struct broker *b, uint32_t own, struct mail *m)
     }
 }
 
-/* Who asks in lock step is told of its members, and of nothing that another run would have
- * otherwise. */
 static bool is_shown(const struct broker *b, const struct mail *question, uint32_t agent)
 {
-    return !names_in_lockstep(b, question->sender) || agent == REGISTRY_BROKER ||
-           names_in_lockstep(b, agent);
+    return scope_sees(names_scope(b, question->sender), names_scope(b, agent));
 }
 
 static void request_lookup(struct broker *b, const struct mail *question)
@@ -50,7 +47,7 @@ static void request_lookup(struct broker *b, const struct mail *question)
     mu_fields_add(&t, validate_kind_word(m.kind));
     mu_fields_add(&t, validate_state_word(m.state));
     mu_fields_add(&t, m.broker);
-    bool inside = names_in_lockstep(b, question->sender);
+    bool inside = scope_is_inside(names_scope(b, question->sender));
     mu_fields_add(&t, m.host);
     mu_text_format(&t, " %lu", inside ? 0ul : (unsigned long)m.pid);
     answer_send(b, question, "inform");

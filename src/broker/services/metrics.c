@@ -196,8 +196,9 @@ void metrics_print(void)
 void metrics_answer(struct broker *b, uint32_t own, const struct mail *question)
 {
     struct mu_text t;
-    if (names_in_lockstep(b, question->sender)) {
-        answer_begin(b, &t, "in-lock-step");
+    const char *refusal = scope_refuses_counters(names_scope(b, question->sender));
+    if (refusal) {
+        answer_begin(b, &t, refusal);
         answer_reply(b, own, question, "failure", b->text);
         return;
     }
