@@ -9,7 +9,8 @@
 static bool news_can_wait(struct broker *b, uint32_t sender, muster_Outcome result)
 {
     bool bad = result == muster_OUTCOME_BOX_FULL || result == muster_OUTCOME_DROPPED;
-    return bad && !names_is_paced(b, sender) && limiter_holds(&b->limiter, sender, b->clock.now_ns);
+    return bad && !scope_is_paced(names_scope(b, sender)) &&
+           limiter_holds(&b->limiter, sender, b->clock.now_ns);
 }
 
 void outcome_tell(struct broker *b, uint32_t sender, uint64_t first_seq, uint64_t last_seq,

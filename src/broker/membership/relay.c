@@ -137,7 +137,6 @@ static void verdict_take(struct broker *b, struct peer *p, const muster_Verdict 
 
 /* --- receipts, groups, services --------------------------------------------------------------- */
 
-/* What becomes of mail at other brokers is no business of those in a lock step. */
 static void receipt_take(struct broker *b, const struct peer *p, const muster_Receipt *r)
 {
     uint32_t agent =
@@ -150,7 +149,7 @@ static void receipt_take(struct broker *b, const struct peer *p, const muster_Re
     const struct agent *a = &b->registry.agents[agent];
     b->federation.count.receipts_in++;
     bool goes_back = a->process != MU_NONE && strcmp(a->place, p->place) == 0;
-    if (!goes_back && !names_in_lockstep(b, agent)) {
+    if (!goes_back && scope_is_told(names_scope(b, agent))) {
         outcome_tell(b, agent, r->first_seq, r->last_seq, r->result);
     }
 }
