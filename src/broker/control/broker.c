@@ -236,7 +236,7 @@ static void act_take(struct broker *b, uint32_t place, const muster_Act *act, en
     } else if (act->replays) {
         effect = EFFECT_REPLAY;
     }
-    if (effect == EFFECT_STEP && !names_in_lockstep(b, agent)) {
+    if (effect == EFFECT_STEP && !scope_is_inside(names_scope(b, agent))) {
         effect = EFFECT_NOW; /* it speaks in its turn, but from outside */
     }
     if (act->mails._length > 0) {
@@ -258,7 +258,7 @@ static void ack_take(struct broker *b, uint32_t place, const muster_Ack *ack)
         return;
     }
     snapshots_heard(b, agent, place);
-    if (b->processes.at[place].rostered) {
+    if (scope_is_inside(b->processes.at[place].scope)) {
         steps_keep_ack(&b->steps, agent, ack->number);
     } else {
         settle_acknowledge(b, agent, ack->number);

@@ -303,7 +303,7 @@ static void lockstep_hold(struct broker *b, bool held)
     bool ends = b->steps.held && !held;
     steps_set_held(b, held);
     for (uint32_t agent = 0; ends && agent < b->registry.count; agent++) {
-        if (!names_in_lockstep(b, agent)) {
+        if (!scope_is_inside(names_scope(b, agent))) {
             residents_wake(&b->registry, &b->processes, agent);
         }
     }

@@ -137,7 +137,7 @@ static bool line_is_shown(const struct broker *b, uint32_t agent)
     bool from_the_start =
         changelog_version(&b->registry.changes, agent) <= b->steps.start_version &&
         !a->is.no_broadcasts && a->is.home[0] == '\0';
-    return !b->dispatch.open_lockstep || from_the_start || a->ended || names_in_lockstep(b, agent);
+    return !b->dispatch.open_lockstep || from_the_start || a->ended || scope_is_inside(a->scope);
 }
 
 /* @return whether a step has changed a line since the last Delivery, and more was said of it since

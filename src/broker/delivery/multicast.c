@@ -20,7 +20,7 @@ void multicast_note(struct broker *b, struct mail *m)
 {
     struct multicast *c = &b->multicast;
     bool may = m->letter.level == muster_LEVEL_RAM && m->unsettled >= MULTICAST_PLACES_MIN &&
-               b->dispatch.interval_ns == 0 && !names_in_lockstep(b, m->sender);
+               b->dispatch.interval_ns == 0 && !scope_is_inside(names_scope(b, m->sender));
     if (may && c->hearers >= MULTICAST_PLACES_MIN && c->count < MULTICAST_WAITING) {
         pool_keep(m);
         c->waiting[c->count++] = m;

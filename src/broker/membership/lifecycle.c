@@ -247,9 +247,10 @@ void lifecycle_set_state(struct broker *b, uint32_t agent, muster_State state)
  */
 static void step_version_keep(struct broker *b, uint32_t agent)
 {
+    struct agent *a = &b->registry.agents[agent];
     uint64_t version = changelog_version(&b->registry.changes, agent);
-    if (names_in_lockstep(b, agent) && version <= b->steps.version) {
-        b->registry.agents[agent].step_version = version;
+    if (scope_is_inside(a->scope) && version <= b->steps.version) {
+        a->step_version = version;
     }
 }
 
@@ -258,7 +259,7 @@ void lifecycle_reregister(struct broker *b, uint32_t agent, uint32_t slot, struc
 {
     struct agent *a = &b->registry.agents[agent];
     a->gone = false;
-    if (names_in_lockstep(b, agent)) {
+    if (scope_is_inside(a->scope)) { /* the steps alone change it */
         is->state = a->is.state;
     }
     if (a->resident.slot != slot) {
@@ -329,7 +330,7 @@ static void route_choose(struct broker *b, uint32_t agent, bool echoes)
     struct peer *p = remote_best_peer(b, agent);
     const struct route *route = p ? &p->routes[agent] : NULL;
     if (is_here) {
-        if (route && route->since_wall_ns < a->is.since_wall_ns && !names_in_lockstep(b, agent)) {
+        if (route && route->since_wall_ns < a->is.since_wall_ns && !scope_is_inside(a->scope)) {
             clash_lose(b, agent, route);
             route_use(b, agent, p);
         }

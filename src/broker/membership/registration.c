@@ -44,10 +44,10 @@ static void claims_end(struct broker *b, uint32_t place, uint32_t part,
 
 /* --- coming and going ------------------------------------------------------------------------- */
 
-/* A lock step does not let go of an agent before it ends. */
+/* A run that goes by steps does not let go of an agent before it ends. */
 static void presence_leave(struct broker *b, uint32_t agent)
 {
-    if (names_is_paced(b, agent)) {
+    if (scope_is_paced(names_scope(b, agent))) {
         b->registry.agents[agent].gone = true;
     } else {
         lifecycle_depart(b, agent);
@@ -98,7 +98,7 @@ static bool outlived_a_broker(const struct broker *b, uint32_t agent, const stru
     const struct agent *a = &b->registry.agents[agent];
     return !is->newcomer && b->clock.now_ns < b->hold_ns && is->since_wall_ns > 0 &&
            is->since_wall_ns < a->is.since_wall_ns && a->is.home[0] == '\0' &&
-           !names_in_lockstep(b, agent);
+           !scope_is_inside(a->scope);
 }
 
 static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
@@ -111,7 +111,7 @@ static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uin
     }
     bool is_other =
         a->resident.slot != slot || (!a->handed && a->is.since_wall_ns != is->since_wall_ns);
-    if (a->process == place && is_other && !b->processes.at[place].rostered) {
+    if (a->process == place && is_other && !scope_is_inside(b->processes.at[place].scope)) {
         b->registry.agents[agent].kept_until_ns = 0; /* whom it was kept for had come */
         lifecycle_depart(b, agent); /* the name went to another agent of the same process */
     }

@@ -13,24 +13,6 @@ uint8_t names_scope(const struct broker *b, uint32_t agent)
     return b->registry.agents[agent].scope;
 }
 
-bool names_is_paced(const struct broker *b, uint32_t agent)
-{
-    uint32_t place = b->registry.agents[agent].process;
-    bool paced = place != MU_NONE && b->processes.at[place].rostered;
-    MU_ASSERT(paced == scope_is_paced(b->registry.agents[agent].scope));
-    return paced;
-}
-
-bool names_in_lockstep(const struct broker *b, uint32_t agent)
-{
-    const struct agent *a = &b->registry.agents[agent];
-    bool looks_on = a->process != MU_NONE && b->processes.at[a->process].watches &&
-                    a->is.kind == muster_KIND_SPECIAL;
-    bool inside = names_is_paced(b, agent) && !looks_on;
-    MU_ASSERT(inside == scope_is_inside(a->scope));
-    return inside;
-}
-
 void names_confirm(struct broker *b, uint32_t agent, uint64_t number)
 {
     struct agent *a = &b->registry.agents[agent];

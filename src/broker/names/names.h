@@ -439,13 +439,6 @@ void names_confirm(struct broker *b, uint32_t agent, uint64_t number);
 /** @return the agent's scope, for the rules of steps.h */
 uint8_t names_scope(const struct broker *b, uint32_t agent);
 
-/** @return whether the agent's process is in a lock step that is on */
-bool names_in_lockstep(const struct broker *b, uint32_t agent);
-
-/** @return whether the lock step waits for its process: it is a member, or looks on and speaks from
- * outside, in its turn */
-bool names_is_paced(const struct broker *b, uint32_t agent);
-
 /** @return whether the agent lives beyond another broker */
 bool names_is_beyond(const struct broker *b, uint32_t agent);
 
