@@ -328,7 +328,7 @@ static void lockstep_end(struct broker *b)
     struct steps *l = &b->steps;
     counters_keep(b);
     l->awaits_moves = false;
-    transfer_lockstep_over(b);
+    transfer_run_over(b, scope_refuses_move(SCOPE_RUN, SCOPE_OPEN));
     do { /* nothing that was admitted is lost */
         steps_told(b);
         step_apply(b);

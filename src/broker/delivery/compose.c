@@ -48,7 +48,7 @@ static bool parcels_fill(struct broker *b, struct dispatch_part *part, struct di
                          muster_Delivery *d)
 {
     uint32_t agent = part->agent;
-    if (!mailbox_is_begun(&b->mailbox, agent) || steps_awaits(b, agent)) {
+    if (!mailbox_is_begun(&b->mailbox, agent) || scope_waits(names_scope(b, agent))) {
         return true;
     }
     struct box *box = mailbox_box(&b->mailbox, agent);
@@ -286,7 +286,7 @@ bool compose_fill(struct broker *b, uint32_t place, muster_Delivery *d)
 {
     struct dispatch *c = &b->dispatch;
     struct process *at = &b->processes.at[place];
-    c->open_lockstep = at->rostered || at->simulator;
+    c->open_lockstep = scope_is_paced(at->scope);
     if (c->open_lockstep && (!at->step_due || b->steps.awaits_moves)) {
         return false;
     }

@@ -53,7 +53,7 @@ static bool place_hold(struct broker *b, uint32_t place)
 {
     struct dispatch *c = &b->dispatch;
     struct process *at = &b->processes.at[place];
-    if (at->rostered || at->simulator || compose_is_awake(b, false) || place_is_urgent(b, place)) {
+    if (scope_is_paced(at->scope) || compose_is_awake(b, false) || place_is_urgent(b, place)) {
         return false;
     }
     c->held += !at->held;

@@ -46,7 +46,7 @@ static void waiting_drop(struct broker *b, uint32_t count)
 static bool place_is_ready(const struct broker *b, const struct process *at)
 {
     bool is_there = at->hears && at->matched && !at->blocked;
-    bool is_alone = !at->rostered && !at->simulator && !at->is_broker;
+    bool is_alone = !scope_is_paced(at->scope) && !at->is_broker;
     return is_there && is_alone && !at->held && !at->roll_call_due && at->refusals_count == 0 &&
            changelog_after(&b->registry.changes, at->version_had) == MU_NONE &&
            view_has_told(b, at);
@@ -58,7 +58,7 @@ static bool post_is_ready(struct broker *b, uint32_t post)
     uint32_t agent = b->mailbox.posts[post].agent;
     const struct agent *a = &b->registry.agents[agent];
     return a->process != MU_NONE && place_is_ready(b, &b->processes.at[a->process]) && a->seated &&
-           !a->verdict_due && names_gate(b, agent) == GATE_OPEN && !steps_awaits(b, agent) &&
+           !a->verdict_due && names_gate(b, agent) == GATE_OPEN && !scope_waits(a->scope) &&
            mailbox_box(&b->mailbox, agent)->out == MU_NONE &&
            mailbox_next_is(&b->mailbox, agent, b->mailbox.posts[post].mail);
 }

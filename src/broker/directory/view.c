@@ -44,7 +44,8 @@ bool view_shows(const struct broker *b, uint32_t line, bool inside)
 
 bool view_place_is_told(const struct process *at)
 {
-    return at->used && at->matched && (at->agents_count > 0 || at->is_broker) && !at->simulator;
+    return at->used && at->matched && (at->agents_count > 0 || at->is_broker) &&
+           scope_is_shown_lines(at->scope);
 }
 
 /* The versions that every process has had: what is older may be forgotten. */
@@ -103,11 +104,12 @@ void view_forget_told(struct process *at)
 
 static void memberships_fill(struct lines *g, const struct process *at, muster_Delivery *d)
 {
-    uint32_t max = at->rostered ? MU_MEMBERSHIPS_MAX : PAGES_MEMBERSHIPS;
+    bool inside = scope_is_inside(at->scope);
+    uint32_t max = inside ? MU_MEMBERSHIPS_MAX : PAGES_MEMBERSHIPS;
     for (uint32_t line = changelog_after(&g->changes, at->groups_had);
          line != MU_NONE && d->memberships._length < max;
          line = changelog_next(&g->changes, line)) {
-        struct line_word w = lines_word(g, line, at->rostered);
+        struct line_word w = lines_word(g, line, inside);
         d->memberships._buffer[d->memberships._length++] = (muster_Membership){
             sample_text(w.key), sample_text(w.agent), w.present, w.stamp_ns, sample_text(w.origin)};
         g->open = changelog_version(&g->changes, line);
@@ -117,15 +119,16 @@ static void memberships_fill(struct lines *g, const struct process *at, muster_D
 static void offers_fill(struct broker *b, const struct process *at, muster_Delivery *d)
 {
     struct lines *s = &b->pages.services;
-    uint32_t max = at->rostered ? MU_SERVICES_MAX : PAGES_OFFERS;
+    bool inside = scope_is_inside(at->scope);
+    uint32_t max = inside ? MU_SERVICES_MAX : PAGES_OFFERS;
     for (uint32_t line = changelog_after(&s->changes, at->services_had);
          line != MU_NONE && d->offers._length < max; line = changelog_next(&s->changes, line)) {
         /* Another broker sees for itself whom it shows. */
-        struct line_word w = lines_word(s, line, at->rostered);
+        struct line_word w = lines_word(s, line, inside);
         d->offers._buffer[d->offers._length++] =
             (muster_Offer){.service = sample_text(w.key),
                            .agent = sample_text(w.agent),
-                           .offered = at->is_broker ? w.present : view_shows(b, line, at->rostered),
+                           .offered = at->is_broker ? w.present : view_shows(b, line, inside),
                            .attributes = sample_text(w.attributes),
                            .lease_ns = at->is_broker ? view_lease_ns(b, line) : w.lease_ns,
                            .stamp_ns = w.stamp_ns,

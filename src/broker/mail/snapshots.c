@@ -316,7 +316,7 @@ bool snapshots_overrule(const struct broker *b, uint32_t agent, uint32_t place,
 {
     const struct agent *a = &b->registry.agents[agent];
     const struct process *at = &b->processes.at[place];
-    if ((a->passed && at->rostered) || has_left(b, a, at->seat, is)) {
+    if ((a->passed && scope_is_inside(at->scope)) || has_left(b, a, at->seat, is)) {
         return true;
     }
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.holding > 0; i++) {

@@ -79,8 +79,8 @@ void transfer_hear(struct broker *b, uint32_t place, const muster_Trip *trip, bo
 /** A step has taken effect.  @return whether its end has to wait for agents on their way */
 bool transfer_step_ended(struct broker *b);
 
-/** The lock step is over: who is on its way stays. */
-void transfer_lockstep_over(struct broker *b);
+/** The run is over, for that reason: an agent that is on its way inside stays. */
+void transfer_run_over(struct broker *b, const char *reason);
 
 /** Gives up hosts that are silent. */
 void transfer_tick(struct broker *b);

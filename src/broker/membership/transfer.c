@@ -28,10 +28,10 @@ static const char *objection(const struct broker *b, uint32_t host, bool in_step
     if (!a || a->is.kind != muster_KIND_HOST) {
         return "unknown-host";
     }
-    if (a->process == MU_NONE || (a->gone && !in_step)) { /* in lock step it may be slow only */
+    if (a->process == MU_NONE || (a->gone && !in_step)) { /* inside it may be slow only */
         return "host-absent";
     }
-    return in_step && !b->processes.at[a->process].rostered ? "lock-step" : NULL;
+    return scope_refuses_move(scope_of_word(in_step), b->processes.at[a->process].scope);
 }
 
 static void deposit_refuse(struct broker *b, uint32_t place, const muster_Trip *trip,
@@ -57,8 +57,8 @@ static void deposit_take(struct broker *b, uint32_t place, const muster_Trip *tr
         b->counters.malformed++;
         return;
     }
-    bool late = b->processes.at[place].rostered && !in_step;
-    const char *wrong = late ? "lock-step" : objection(b, host, in_step);
+    const char *wrong = scope_refuses_move(b->processes.at[place].scope, scope_of_word(in_step));
+    wrong = wrong ? wrong : objection(b, host, in_step);
     struct snapshot *c =
         wrong ? NULL : snapshots_add(b, agent, trip->agent, trip->epoch, trip->text);
     if (!c) {
@@ -79,7 +79,7 @@ static void deposit_take(struct broker *b, uint32_t place, const muster_Trip *tr
     }
 }
 
-/* Out of lock step a clone, or who is launched, goes to its host in pieces. */
+/* Outside, a clone or an agent that is launched goes to its host in pieces. */
 static void new_take(struct broker *b, uint32_t place, const muster_Trip *trip, bool in_step)
 {
     uint32_t asker = registry_find(&b->registry, trip->asker);
@@ -88,10 +88,11 @@ static void new_take(struct broker *b, uint32_t place, const muster_Trip *trip, 
         b->counters.malformed++;
         return;
     }
+    const char *wrong = scope_refuses_move(scope_of_word(true), scope_of_word(in_step));
     struct snapshot *c =
-        in_step ? snapshots_add(b, MU_NONE, trip->agent, trip->epoch, trip->text) : NULL;
+        wrong ? NULL : snapshots_add(b, MU_NONE, trip->agent, trip->epoch, trip->text);
     if (!c) {
-        deposit_refuse(b, place, trip, in_step ? "depot-full" : "lock-step");
+        deposit_refuse(b, place, trip, wrong ? wrong : "depot-full");
         return;
     }
     c->asker = asker;
@@ -127,7 +128,7 @@ static void seat_refuse(struct broker *b, struct snapshot *c, const char *reason
     }
 }
 
-/* The name goes from one process of a lock step to another, at once.  The one that it set out from
+/* The name goes from one process of a run to another, at once.  The one that it set out from
  * may have died meanwhile, and have a successor. */
 static void seat_moved(struct broker *b, struct snapshot *c, uint32_t slot)
 {
@@ -225,7 +226,7 @@ static bool is_orphan(const struct broker *b, const struct snapshot *c)
            b->clock.now_ns >= ORPHAN_NS && absent_ns >= ORPHAN_NS;
 }
 
-/* Whom a lock step needs goes to a host of the run, when that has been started again. */
+/* An agent of the run goes to a host of the run, when that has been started again. */
 static bool is_for(const struct broker *b, const struct snapshot *c, uint32_t host)
 {
     return !clock_by_steps(&b->clock) || !c->in_step || b->registry.agents[host].let_go;
@@ -235,7 +236,7 @@ static void wanted_take(struct broker *b, uint32_t place, const muster_Trip *tri
 {
     uint32_t host = registry_find(&b->registry, trip->host);
     if (objection(b, host, false) || b->registry.agents[host].process != place ||
-        b->processes.at[place].rostered) {
+        scope_is_inside(b->processes.at[place].scope)) {
         return;
     }
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.count > 0; i++) {
@@ -263,7 +264,7 @@ void transfer_hear(struct broker *b, uint32_t place, const muster_Trip *trip, bo
     }
 }
 
-/* --- lock step -------------------------------------------------------------------------------- */
+/* --- inside ----------------------------------------------------------------------------------- */
 
 /* @return whether another one of that name has been handed to its host, and has not come to life */
 static bool name_is_awaited(const struct broker *b, const char *name)
@@ -322,12 +323,12 @@ bool transfer_step_ended(struct broker *b)
     return d->holding > 0;
 }
 
-void transfer_lockstep_over(struct broker *b)
+void transfer_run_over(struct broker *b, const char *reason)
 {
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.count > 0; i++) {
         struct snapshot *c = &b->snapshots.snapshots[i];
         if (c->phase == SNAPSHOT_STEP || c->holds) {
-            snapshots_refuse(b, c, "lock-step");
+            snapshots_refuse(b, c, reason);
         }
     }
 }

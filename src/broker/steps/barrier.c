@@ -180,15 +180,6 @@ bool steps_wants(const struct broker *b, uint32_t place, int64_t step)
     return at->rostered && !at->answered && step == b->steps.step;
 }
 
-bool steps_awaits(const struct broker *b, uint32_t agent)
-{
-    const struct agent *a = &b->registry.agents[agent];
-    bool awaits =
-        b->steps.held && a->is.kind == muster_KIND_ROBOT && !b->processes.at[a->process].rostered;
-    MU_ASSERT(awaits == scope_waits(a->scope));
-    return awaits;
-}
-
 static int agent_compare(const void *x, const void *y, const void *registry)
 {
     const uint32_t *one = x, *other = y;

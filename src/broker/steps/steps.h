@@ -144,10 +144,6 @@ void steps_set_held(struct broker *b, bool held);
 /** @return whether an Up of this process and step is to be collected now */
 bool steps_wants(const struct broker *b, uint32_t place, int64_t step);
 
-/** @return whether this agent's process is not in the lock step yet, which is held for such ones:
- * its mail waits for its first step */
-bool steps_awaits(const struct broker *b, uint32_t agent);
-
 /** @return how many answers the step waits for; 1 when there is no lock step */
 uint32_t steps_missing(const struct steps *l);
 
