@@ -469,12 +469,13 @@ int console_verb(int argc, char **argv)
                             .about = "A console on an agent: CLIPS lines from the terminal, or "
                                      "from standard input.",
                             .table = table,
-                            .count = sizeof table / sizeof table[0]};
+                            .count = sizeof table / sizeof table[0],
+                            .one = "agent",
+                            .example = "red"};
     mu_result parsed = operator_parse(&o, argc, argv, &c->options);
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
     }
-    bool good = words_one(&o, "agent", "red") &&
-                words_name_check("muster console", "an agent", o.words[0]) && line_check(c);
+    bool good = words_name_check("muster console", "an agent", o.words[0]) && line_check(c);
     return good ? console_live(c, o.words[0]) : MU_EXIT_USAGE;
 }

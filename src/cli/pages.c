@@ -169,13 +169,14 @@ int pages_verb_lookup(int argc, char **argv)
                                       "Looks one agent up in the white pages; of a part of the "
                                       "broker, what it has counted, too.",
                                   .table = option_table,
-                                  .count = sizeof option_table / sizeof option_table[0]};
+                                  .count = sizeof option_table / sizeof option_table[0],
+                                  .one = "agent",
+                                  .example = "red"};
     mu_result parsed = operator_parse(&o, argc, argv, &options);
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
     }
-    if (!words_one(&o, "agent", "red") ||
-        !words_name_check("muster lookup", "an agent", o.words[0])) {
+    if (!words_name_check("muster lookup", "an agent", o.words[0])) {
         return MU_EXIT_USAGE;
     }
     struct operator op;

@@ -365,10 +365,9 @@ int report_verb(int argc, char **argv)
         .about = "Makes the report of a run again from what lies in its folder; of a run that "
                  "broke off, as far as its run.mcap goes.",
         .table = option_table,
-        .count = sizeof option_table / sizeof option_table[0]};
+        .count = sizeof option_table / sizeof option_table[0],
+        .one = "folder",
+        .example = "out/follow-1"};
     mu_result parsed = mu_options_parse(&o, argc, argv);
-    if (parsed == MU_OK && !words_one(&o, "folder", "out/follow-1")) {
-        parsed = MU_FAULT_USAGE;
-    }
     return parsed == MU_OK ? report_run(o.words[0]) : mu_exit_for(parsed);
 }

@@ -81,13 +81,12 @@ static mu_result options_parse(struct run_options *out, int argc, char **argv)
         .usage = "FILE [OPTION...]",
         .about = "Runs an experiment with all its processes and leaves a report.",
         .table = option_table,
-        .count = sizeof option_table / sizeof option_table[0]};
+        .count = sizeof option_table / sizeof option_table[0],
+        .one = "experiment file",
+        .example = "experiments/follow.yaml"};
     mu_result parsed = mu_options_parse(&options, argc, argv);
     if (parsed != MU_OK) {
         return parsed;
-    }
-    if (!words_one(&options, "experiment file", "experiments/follow.yaml")) {
-        return MU_FAULT_USAGE;
     }
     if (chosen.record && strcmp(chosen.record, "none") != 0 && strcmp(chosen.record, "run") != 0 &&
         strcmp(chosen.record, "full") != 0) {

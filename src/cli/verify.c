@@ -309,11 +309,10 @@ int verify_verb(int argc, char **argv)
                                   .about = "Does a recorded run again and says whether it went the "
                                            "same way, or where it did not.",
                                   .table = option_table,
-                                  .count = sizeof option_table / sizeof option_table[0]};
+                                  .count = sizeof option_table / sizeof option_table[0],
+                                  .one = "recording",
+                                  .example = "out/follow-1/run.mcap"};
     mu_result parsed = mu_options_parse(&o, argc, argv);
-    if (parsed == MU_OK && !words_one(&o, "recording", "out/follow-1/run.mcap")) {
-        parsed = MU_FAULT_USAGE;
-    }
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
     }

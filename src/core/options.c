@@ -298,7 +298,13 @@ mu_result mu_options_parse(struct mu_options *options, int argc, char **argv)
         return MU_DONE;
     }
     result = mu_options_read_config(options, r.config);
-    return result == MU_OK ? options_read_environment(options) : result;
+    result = result == MU_OK ? options_read_environment(options) : result;
+    if (result == MU_OK && options->one && options->words_count != 1) {
+        fprintf(stderr, "%s: name one %s, for example: %s %s\n", options->program, options->one,
+                options->program, options->example);
+        return MU_FAULT_USAGE;
+    }
+    return result;
 }
 
 static void options_print_row(const struct mu_option *option)

@@ -91,7 +91,9 @@ struct mu_options {
     const char *about;   /* one sentence or more, for --help */
     struct mu_option *table;
     size_t count;
-    bool no_words; /* it takes nothing but options */
+    bool no_words;             /* it takes nothing but options */
+    const char *one, *example; /* it takes one word: what that is, and such a one; NULL: as it says
+                                  itself */
 
     const char *words[MU_OPTION_WORDS_MAX]; /* set by mu_options_parse: words that are no options */
     size_t words_count;
@@ -105,7 +107,7 @@ struct mu_options {
  * Call it before mu_memory_seal(): values from the configuration file are start-up memory.
  *
  * @return MU_OK; MU_DONE when --help, --version or --dump-options was asked for and printed;
- * MU_FAULT_USAGE for an unknown option, a bad value or a word too many, MU_FAULT_FILE for a bad
+ * MU_FAULT_USAGE for an unknown option, a bad value or a wrong number of words, MU_FAULT_FILE for a bad
  * configuration file, both already explained on standard error
  */
 MU_MUST_USE mu_result mu_options_parse(struct mu_options *options, int argc, char **argv);

@@ -355,10 +355,6 @@ bool words_join(char *text, size_t size, const char *const *words, size_t count)
 /** @return whether all of it is UTF-8 */
 bool words_are_utf8(const char *text);
 
-/** @return whether there is one word; if not, said.  @param what  "agent".  @param example  "red"
- */
-bool words_one(const struct mu_options *o, const char *what, const char *example);
-
 /** @return whether it is a name; if not, standard error says what one is */
 bool words_name_check(const char *program, const char *what, const char *name);
 

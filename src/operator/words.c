@@ -29,15 +29,6 @@ bool words_are_utf8(const char *text)
     return true;
 }
 
-bool words_one(const struct mu_options *o, const char *what, const char *example)
-{
-    if (o->words_count != 1) {
-        fprintf(stderr, "%s: name one %s, for example: %s %s\n", o->program, what, o->program,
-                example);
-    }
-    return o->words_count == 1;
-}
-
 bool words_name_check(const char *program, const char *what, const char *name)
 {
     char shown[MU_TEXT_SHOWN];

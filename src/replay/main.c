@@ -63,15 +63,12 @@ static mu_result settings_parse(int argc, char **argv, const char **path)
         .usage = "FILE [OPTION...]",
         .about = "Puts a recording back on DDS, in order, for monitors and tools to look at.",
         .table = option_table,
-        .count = sizeof option_table / sizeof option_table[0]};
+        .count = sizeof option_table / sizeof option_table[0],
+        .one = "recording",
+        .example = "out/follow-1/run.mcap"};
     mu_result parsed = mu_options_parse(&options, argc, argv);
     if (parsed != MU_OK) {
         return parsed;
-    }
-    if (options.words_count != 1) {
-        fprintf(stderr, "muster replay: name one recording, for example: "
-                        "muster replay out/follow-1/run.mcap\n");
-        return MU_FAULT_USAGE;
     }
     if (set.to_s > 0 && set.to_s <= set.from_s) {
         fprintf(stderr, "muster replay: --to %g: expected more than --from, %g\n", set.to_s,

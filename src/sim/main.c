@@ -91,15 +91,12 @@ static mu_result settings_parse(int argc, char **argv, const char **world)
         .usage = "WORLD [OPTION...]",
         .about = "Simulates the robots of a world file and keeps the clock of the run.",
         .table = option_table,
-        .count = sizeof option_table / sizeof option_table[0]};
+        .count = sizeof option_table / sizeof option_table[0],
+        .one = "world file",
+        .example = "worlds/arena.world"};
     mu_result parsed = mu_options_parse(&options, argc, argv);
     if (parsed != MU_OK) {
         return parsed;
-    }
-    if (options.words_count != 1) {
-        fprintf(stderr,
-                "muster sim: name one world file, for example: muster sim worlds/arena.world\n");
-        return MU_FAULT_USAGE;
     }
     if (fmod(set.step_ms, 20.0) != 0.0) {
         fprintf(stderr, "muster sim: --step %g: expected a multiple of 20 ms\n", set.step_ms);
