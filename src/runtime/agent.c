@@ -56,7 +56,7 @@ static void name_free(mu_process *p, const char *name)
 bool agent_has_last_words(const struct mu_agent *a)
 {
     bool is_mute = life_is_elsewhere(a) && process_in_lockstep(a->process);
-    return (a->links[QUEUE_SEND].in && !is_mute) || a->links[QUEUE_ACK].in;
+    return (queue_has(a, QUEUE_SEND) && !is_mute) || queue_has(a, QUEUE_ACK);
 }
 
 /* @return a place for one more agent: a new one, or that of one that has left; NULL: full */
@@ -171,7 +171,7 @@ void mu_agent_set_out(mu_agent *a)
 bool mu_agent_is_settled(const mu_agent *a)
 {
     return a->name_state == NAME_ACCEPTED && !outbox_has_unsent(&a->outbox) &&
-           !outbox_has_unanswered(&a->outbox) && !a->links[QUEUE_ACK].in &&
+           !outbox_has_unanswered(&a->outbox) && !queue_has(a, QUEUE_ACK) &&
            a->process->up_state != UP_PENDING;
 }
 

@@ -65,7 +65,7 @@ struct mu_agent {
     uint64_t box_bytes;            /* of so many bytes; 0: the broker's own limit */
     uint64_t broker_incarnation;   /* of the broker that has accepted it; 0: none yet */
     uint64_t accepted_serial;      /* of the Delivery that has said so last, or of one before it */
-    struct queue_link links[QUEUES];
+    struct mu_link links[QUEUES];
     enum life_exit exit;      /* EXIT_PRESENT until it is MU_GONE */
     enum mu_state last_state; /* which its registration has while it is leaving */
     struct outbox outbox;
@@ -166,7 +166,7 @@ struct mu_process {
     char *rules_text;    /* NULL: no bodies */
     char *note_text;     /* likewise */
     struct dedup *dedup; /* one for each agent */
-    struct queue queues[QUEUES];
+    struct mu_list queues[QUEUES];
     struct roll roll;
     struct transfers transfers;
     struct probes probes;

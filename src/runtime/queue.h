@@ -6,10 +6,12 @@
 #ifndef MUSTER_RUNTIME_QUEUE_H
 #define MUSTER_RUNTIME_QUEUE_H
 
+#include "core/list.h"
+
 #include <stdbool.h>
-#include <stdint.h>
 
 struct mu_agent;
+struct mu_process;
 
 enum queue_kind {
     QUEUE_SEND, /* mail that has not gone out */
@@ -18,20 +20,17 @@ enum queue_kind {
     QUEUES,     /* how many */
 };
 
-struct queue {
-    struct mu_agent *first, *last;
-};
-
-/* An agent's place in one queue. */
-struct queue_link {
-    struct mu_agent *next, *prev;
-    bool in;
-};
-
 /** Puts an agent at the end, if it is not in the queue. */
 void queue_add(struct mu_agent *a, enum queue_kind kind);
 
 /** Takes an agent out, if it is in. */
 void queue_remove(struct mu_agent *a, enum queue_kind kind);
+
+/** @return whether an agent is in the queue */
+bool queue_has(const struct mu_agent *a, enum queue_kind kind);
+
+/** @return the first agent, or that behind another one; NULL: there is none */
+struct mu_agent *queue_first(const struct mu_process *p, enum queue_kind kind);
+struct mu_agent *queue_next(const struct mu_agent *a, enum queue_kind kind);
 
 #endif

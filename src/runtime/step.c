@@ -314,8 +314,8 @@ static uint32_t acks_fill(mu_process *p)
 {
     uint32_t count = 0;
     struct mu_agent *next = NULL;
-    for (struct mu_agent *a = p->queues[QUEUE_ACK].first; a && count < p->acks_max; a = next) {
-        next = a->links[QUEUE_ACK].next;
+    for (struct mu_agent *a = queue_first(p, QUEUE_ACK); a && count < p->acks_max; a = next) {
+        next = queue_next(a, QUEUE_ACK);
         if (a->acked_number == a->last_number) {
             queue_remove(a, QUEUE_ACK);
             continue;
@@ -409,8 +409,8 @@ static bool up_fill(mu_process *p, int64_t step)
             act_add(p, &p->agents[i], &load);
         }
     }
-    for (struct mu_agent *a = step == muster_STEP_NOW ? p->queues[QUEUE_SEND].first : NULL;
-         a && load.left > 0 && load.room > 0; a = a->links[QUEUE_SEND].next) {
+    for (struct mu_agent *a = step == muster_STEP_NOW ? queue_first(p, QUEUE_SEND) : NULL;
+         a && load.left > 0 && load.room > 0; a = queue_next(a, QUEUE_SEND)) {
         act_add(p, a, &load);
     }
     uint32_t acks = acks_fill(p);
@@ -467,7 +467,7 @@ bool step_retry(mu_process *p)
     }
     transfers_sent(p, p->out.trips._length);
     probes_sent(p, &p->out);
-    if (!p->queues[QUEUE_ACK].first) { /* else some did not fit in, and are due with the next Up */
+    if (!queue_first(p, QUEUE_ACK)) { /* else some did not fit in, and are due with the next Up */
         ack_delay_clear(&p->ack_delay, mu_clock_ns());
     }
     return true;
@@ -534,13 +534,9 @@ void step_hello(mu_process *p)
 
 static void unanswered_again(mu_process *p)
 {
-    struct queue *waits = &p->queues[QUEUE_WAIT];
-    if (!waits->first) {
-        return;
-    }
-    uint64_t now_ns = mu_clock_ns();
-    while (waits->first && now_ns - waits->first->progress_ns > RESEND_NS) {
-        struct mu_agent *a = waits->first;
+    struct mu_agent *a = queue_first(p, QUEUE_WAIT);
+    uint64_t now_ns = a ? mu_clock_ns() : 0;
+    for (; a && now_ns - a->progress_ns > RESEND_NS; a = queue_first(p, QUEUE_WAIT)) {
         queue_remove(a, QUEUE_WAIT);
         outbox_again(&a->outbox);
         if (a->name_state == NAME_ACCEPTED) {
@@ -553,13 +549,13 @@ static void unanswered_again(mu_process *p)
  * or when a poll loop of the program's own decides when we are here again. */
 static bool acks_are_due(const mu_process *p)
 {
-    return p->queues[QUEUE_ACK].first &&
+    return queue_first(p, QUEUE_ACK) &&
            (p->leaving > 0 || p->bus.wakes || ack_delay_due(&p->ack_delay, mu_clock_ns()));
 }
 
 static bool is_anything_to_say(const mu_process *p)
 {
-    return p->queues[QUEUE_SEND].first || acks_are_due(p) || p->transfers.count > 0 ||
+    return queue_first(p, QUEUE_SEND) || acks_are_due(p) || p->transfers.count > 0 ||
            p->probes.unsent > 0;
 }
 

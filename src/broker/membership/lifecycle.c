@@ -17,7 +17,7 @@ const char *lifecycle_holder(struct broker *b, uint32_t agent)
 
 static struct claim claim_take(struct broker *b, uint32_t index)
 {
-    struct claim claim = b->claims.pool[index];
+    struct claim claim = b->claims.at[index];
     claims_drop(&b->claims, &b->registry.agents[claim.agent].claim, index);
     b->processes.at[claim.process].claims--;
     return claim;
@@ -38,7 +38,7 @@ static bool is_out_of_date(const struct presence *copy, const struct presence *n
 
 static void claim_refuse(struct broker *b, uint32_t index, muster_Refusal code, const char *reason)
 {
-    const struct claim *claim = &b->claims.pool[index];
+    const struct claim *claim = &b->claims.at[index];
     processes_refuse(&b->processes, claim->process, b->registry.agents[claim->agent].name, code,
                      reason);
     lifecycle_end_claim(b, index);
@@ -50,10 +50,10 @@ static void claims_review(struct broker *b, uint32_t agent)
     const struct agent *a = &b->registry.agents[agent];
     uint32_t behind = MU_NONE;
     for (uint32_t i = a->claim; i != MU_NONE; i = behind) {
-        behind = b->claims.pool[i].behind;
-        if (b->claims.pool[i].process == a->process) {
+        behind = b->claims.at[i].behind;
+        if (b->claims.at[i].process == a->process) {
             lifecycle_end_claim(b, i);
-        } else if (is_out_of_date(&b->claims.pool[i].presence, &a->is)) {
+        } else if (is_out_of_date(&b->claims.at[i].presence, &a->is)) {
             claim_refuse(b, i, muster_REFUSAL_OUT_OF_DATE, "out of date");
         }
     }
@@ -63,11 +63,11 @@ static void claims_review(struct broker *b, uint32_t agent)
 static void claims_renew(struct broker *b, uint32_t agent)
 {
     uint32_t *first = &b->registry.agents[agent].claim, count = 0;
-    for (uint32_t i = *first; i != MU_NONE; i = b->claims.pool[i].behind) {
+    for (uint32_t i = *first; i != MU_NONE; i = b->claims.at[i].behind) {
         count++;
     }
     for (; count > 0; count--) {
-        struct claim claim = b->claims.pool[*first];
+        struct claim claim = b->claims.at[*first];
         claims_drop(&b->claims, first, *first);
         claim.until_ns = names_hold_end_ns(b);
         bool fits = claims_add(&b->claims, first, &claim);
@@ -88,8 +88,8 @@ void lifecycle_claim(struct broker *b, uint32_t agent, uint32_t place, uint32_t 
     if (is_out_of_date(is, &a->is)) {
         processes_refuse(&b->processes, place, a->name, muster_REFUSAL_OUT_OF_DATE, "out of date");
     } else if (had != MU_NONE) {
-        b->claims.pool[had].slot = slot;
-        b->claims.pool[had].presence = *is;
+        b->claims.at[had].slot = slot;
+        b->claims.at[had].presence = *is;
     } else if (claims_add(&b->claims, &a->claim, &claim)) {
         b->processes.at[place].claims++;
     } else {
@@ -108,8 +108,8 @@ static uint32_t copy_claim(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
     uint32_t i = a->claim;
-    while (i != MU_NONE && !lifecycle_is_copy(a, &b->claims.pool[i].presence)) {
-        i = b->claims.pool[i].behind;
+    while (i != MU_NONE && !lifecycle_is_copy(a, &b->claims.at[i].presence)) {
+        i = b->claims.at[i].behind;
     }
     return i;
 }
@@ -133,7 +133,7 @@ static void claims_grant(struct broker *b, uint32_t agent)
 void lifecycle_tick(struct broker *b)
 {
     while (lifecycle_deadline_ns(b) <= b->clock.now_ns) {
-        uint32_t index = b->claims.first, agent = b->claims.pool[index].agent;
+        uint32_t index = mu_list_first(&b->claims.list), agent = b->claims.at[index].agent;
         if (b->registry.agents[agent].process == MU_NONE) {
             claims_grant(b, agent); /* whom the name was kept for has not come */
         } else {
@@ -144,8 +144,8 @@ void lifecycle_tick(struct broker *b)
 
 uint64_t lifecycle_deadline_ns(const struct broker *b)
 {
-    uint32_t first = b->claims.first;
-    return first != MU_NONE ? b->claims.pool[first].until_ns : UINT64_MAX;
+    uint32_t first = mu_list_first(&b->claims.list);
+    return first != MU_NONE ? b->claims.at[first].until_ns : UINT64_MAX;
 }
 
 /* The box obeys what its agent declares. */

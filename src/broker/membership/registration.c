@@ -27,9 +27,9 @@ static void claims_end(struct broker *b, uint32_t place, uint32_t part,
 {
     uint32_t next = MU_NONE;
     uint32_t left = b->processes.at[place].claims;
-    for (uint32_t i = b->claims.first; i != MU_NONE && left > 0; i = next) {
-        const struct claim *claim = &b->claims.pool[i];
-        next = claim->next;
+    for (uint32_t i = mu_list_first(&b->claims.list); i != MU_NONE && left > 0; i = next) {
+        const struct claim *claim = &b->claims.at[i];
+        next = mu_list_next(MU_LINKS(b->claims.at, link), i);
         if (claim->process != place) {
             continue;
         }
@@ -142,7 +142,7 @@ static void slot_leave(struct broker *b, uint32_t agent, uint32_t place, uint32_
     const struct agent *a = &b->registry.agents[agent];
     uint32_t claim = claims_find(&b->claims, a->claim, place);
     if (claim != MU_NONE) {
-        if (b->claims.pool[claim].slot == slot) {
+        if (b->claims.at[claim].slot == slot) {
             lifecycle_end_claim(b, claim);
         }
     } else if (a->process == place && a->resident.slot == slot) {

@@ -5,15 +5,15 @@
 
 void claims_init(struct claims *c)
 {
-    *c = (struct claims){.free = MU_NONE, .first = MU_NONE, .last = MU_NONE};
-    c->pool = mu_startup_array(CLAIMS_MAX, sizeof *c->pool);
+    *c = (struct claims){.at = mu_startup_array(CLAIMS_MAX, sizeof *c->at)};
+    mu_pool_init(&c->pool, CLAIMS_MAX);
 }
 
 uint32_t claims_find(const struct claims *c, uint32_t first, uint32_t process)
 {
     uint32_t index = first;
-    while (index != MU_NONE && c->pool[index].process != process) {
-        index = c->pool[index].behind;
+    while (index != MU_NONE && c->at[index].process != process) {
+        index = c->at[index].behind;
     }
     return index;
 }
@@ -23,59 +23,28 @@ static uint32_t *link_to(struct claims *c, uint32_t *first, uint32_t index)
 {
     uint32_t *link = first;
     while (*link != index) {
-        link = &c->pool[*link].behind;
+        link = &c->at[*link].behind;
     }
     return link;
 }
 
-static uint32_t take_free(struct claims *c)
-{
-    uint32_t index = c->free;
-    if (index != MU_NONE) {
-        c->free = c->pool[index].next;
-    } else if (c->used < CLAIMS_MAX) {
-        index = c->used++;
-    }
-    return index;
-}
-
 bool claims_add(struct claims *c, uint32_t *first, const struct claim *claim)
 {
-    uint32_t index = take_free(c);
+    uint32_t index = mu_pool_take(&c->pool);
     if (index == MU_NONE) {
         return false;
     }
-    struct claim *at = &c->pool[index];
+    struct claim *at = &c->at[index];
     *at = *claim;
     at->behind = MU_NONE;
-    at->next = MU_NONE;
-    at->prev = c->last;
+    at->link = (struct mu_link){0};
     *link_to(c, first, MU_NONE) = index;
-    if (c->last == MU_NONE) {
-        c->first = index;
-    } else {
-        c->pool[c->last].next = index;
-    }
-    c->last = index;
-    c->count++;
-    return true;
+    return mu_list_append(&c->list, MU_LINKS(c->at, link), index);
 }
 
 void claims_drop(struct claims *c, uint32_t *first, uint32_t index)
 {
-    struct claim *at = &c->pool[index];
-    *link_to(c, first, index) = at->behind;
-    if (at->prev == MU_NONE) {
-        c->first = at->next;
-    } else {
-        c->pool[at->prev].next = at->next;
-    }
-    if (at->next == MU_NONE) {
-        c->last = at->prev;
-    } else {
-        c->pool[at->next].prev = at->prev;
-    }
-    at->next = c->free;
-    c->free = index;
-    c->count--;
+    *link_to(c, first, index) = c->at[index].behind;
+    (void)mu_list_remove(&c->list, MU_LINKS(c->at, link), index);
+    mu_pool_give(&c->pool, index);
 }

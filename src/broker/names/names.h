@@ -63,16 +63,11 @@ struct presence {
  * until somebody has looked at how urgent it is. */
 enum resident_queue { RESIDENT_READY, RESIDENT_STIRRED, RESIDENT_QUEUES };
 
-struct resident_link {
-    uint32_t next, prev;
-    bool queued;
-};
-
 /* An agent in a place: see residents.h. */
 struct resident {
     uint32_t place, slot;
-    uint32_t next, prev; /* of the same part */
-    struct resident_link links[RESIDENT_QUEUES];
+    struct mu_link part; /* of the same part */
+    struct mu_link links[RESIDENT_QUEUES];
 };
 
 struct agent {
@@ -155,10 +150,8 @@ struct registry {
     uint64_t kept; /* a bit for each place of REGISTRY_KEPT that is taken */
     struct graveyard graveyard;
     struct changelog changes;
-    bool pages_due[REGISTRY_PAGES]; /* something in them has changed */
-    uint32_t news[REGISTRY_PAGES];  /* a ring: these pages */
-    uint32_t news_head;
-    uint32_t news_count;
+    struct mu_link pages[REGISTRY_PAGES];
+    struct mu_list news; /* pages in which something has changed */
     uint64_t mark;
     struct mu_table names;
 };
@@ -252,15 +245,13 @@ struct claim {
     uint64_t until_ns;
     struct presence presence;
     uint32_t behind;     /* the next one on the same name, or MU_NONE */
-    uint32_t next, prev; /* in order of until_ns; next also in the free list; MU_NONE: none */
+    struct mu_link link; /* in order of until_ns */
 };
 
 struct claims {
-    struct claim *pool; /* CLAIMS_MAX of them */
-    uint32_t used;      /* high-water mark */
-    uint32_t free;
-    uint32_t first, last;
-    uint32_t count;
+    struct claim *at; /* CLAIMS_MAX of them */
+    struct mu_pool pool;
+    struct mu_list list;
 };
 
 void claims_init(struct claims *c);
@@ -296,11 +287,6 @@ struct refusal {
     const char *reason;
 };
 
-/* Agents of a place: see residents.h. */
-struct resident_ends {
-    uint32_t first, last;
-};
-
 struct process {
     char name[MU_PROCESS_MAX + 1];
     uint8_t scope; /* enum scope: see steps.h */
@@ -334,9 +320,9 @@ struct process {
     uint64_t services_had;
     uint32_t claims; /* names that it waits for */
     uint32_t agents_count;
-    uint32_t parts_top;              /* parts ever used */
-    uint32_t parts[PROCESSES_PARTS]; /* the first agent of each: see residents.h */
-    struct resident_ends queues[RESIDENT_QUEUES];
+    uint32_t parts_top;                    /* parts ever used */
+    struct mu_list parts[PROCESSES_PARTS]; /* its agents: see residents.h */
+    struct mu_list queues[RESIDENT_QUEUES];
     uint32_t refusals_count;
     uint32_t unmatched_at; /* where it stands among the unmatched, if it has not matched */
     struct refusal refusals[PROCESSES_REFUSALS];
@@ -391,7 +377,7 @@ void processes_set_blocked(struct processes *p, uint32_t place, bool blocked);
 /* Which agents live in a place, part by part, and which of them may have something to be told. */
 
 /** No agent: the broker itself lives in no place. */
-enum { RESIDENTS_NONE = REGISTRY_BROKER };
+#define RESIDENTS_NONE MU_NONE
 
 /** An agent, which lives nowhere, moves into a slot of a place. */
 void residents_add(struct registry *r, struct processes *p, uint32_t place, uint32_t slot,

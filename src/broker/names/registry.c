@@ -158,12 +158,14 @@ bool registry_is_crowded(const struct registry *r)
     return r->live >= REGISTRY_CROWDED;
 }
 
+static struct mu_links page_links(struct registry *r)
+{
+    return (struct mu_links){r->pages, sizeof r->pages[0]};
+}
+
 void registry_mark_page(struct registry *r, uint32_t page)
 {
-    if (!r->pages_due[page]) {
-        r->pages_due[page] = true;
-        r->news[(r->news_head + r->news_count++) % REGISTRY_PAGES] = page;
-    }
+    (void)mu_list_append(&r->news, page_links(r), page);
 }
 
 void registry_touch(struct registry *r, uint32_t agent)
@@ -182,14 +184,7 @@ uint64_t registry_last_seq(const struct agent *a)
 
 uint32_t registry_next_page(struct registry *r)
 {
-    if (r->news_count == 0) {
-        return MU_NONE;
-    }
-    uint32_t page = r->news[r->news_head];
-    r->news_head = (r->news_head + 1) % REGISTRY_PAGES;
-    r->news_count--;
-    r->pages_due[page] = false;
-    return page;
+    return mu_list_take(&r->news, page_links(r));
 }
 
 void registry_seat(struct registry *r, uint32_t agent, uint32_t process, const char *place,

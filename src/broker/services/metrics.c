@@ -45,7 +45,7 @@ static const struct metric counters[] = {
     {PART_NAMES, "names-ended", "names that were absent, held nothing, and made room",
      AT(retirement.ended)},
     {PART_NAMES, "processes", "processes that it serves now", AT(processes.used_count)},
-    {PART_NAMES, "claims", "names that another process waits for now", AT(claims.count)},
+    {PART_NAMES, "claims", "names that another process waits for now", AT(claims.pool.live)},
     {PART_NAMES, "capsules", "capsules of agents on their way that it keeps now",
      AT(snapshots.count)},
     {PART_NAMES, "capsules-kept", "of them, ever", AT(snapshots.kept)},

@@ -608,7 +608,7 @@ static void test_names_are_kept_for_who_had_them(void)
     EXPECT("");
     story_tick(1);
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-new");
-    CU_ASSERT_EQUAL(story.b->claims.count, 0);
+    CU_ASSERT_EQUAL(story.b->claims.pool.live, 0);
 }
 
 static void red_say(uint64_t since_wall_ns, bool newcomer)

@@ -467,9 +467,9 @@ static void test_who_waits_for_a_member_is_nobodys_heir(void)
     story_match("stranger");
     register_as("p-green", "ruby", 0, muster_STATE_RUNNING);
     register_as("stranger", "ruby", 0, muster_STATE_RUNNING);
-    CU_ASSERT_EQUAL(story.b->claims.count, 2);
+    CU_ASSERT_EQUAL(story.b->claims.pool.live, 2);
     ruby_ends();
-    CU_ASSERT_EQUAL(story.b->claims.count, 0);
+    CU_ASSERT_EQUAL(story.b->claims.pool.live, 0);
     CU_ASSERT_STRING_EQUAL(story_member("ruby"), "ruby running stranger");
 }
 
@@ -683,7 +683,7 @@ static void test_a_name_is_kept_for_who_is_on_its_way(void)
     story_tick(1500 * MS);
     (void)story_collect();
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-north");
-    CU_ASSERT_EQUAL(story.b->claims.count, 0);
+    CU_ASSERT_EQUAL(story.b->claims.pool.live, 0);
 }
 
 int main(void)

@@ -138,15 +138,15 @@ static void test_who_is_refused_owes_nothing(void)
     red->handlers.on_mail = NULL;
     accept_red(0);
     take_mail(1);
-    CU_ASSERT_TRUE(red->links[QUEUE_ACK].in);
+    CU_ASSERT_TRUE(queue_has(red, QUEUE_ACK));
     muster_Verdict v = {.agent = words("red"), .broker_incarnation = 5, .reason = words("taken")};
     muster_Delivery refusal = delivery();
     refusal.verdicts._buffer = &v;
     refusal.verdicts._length = 1;
     step_take_delivery(&process, &refusal, NULL);
-    CU_ASSERT_FALSE(red->links[QUEUE_ACK].in);
+    CU_ASSERT_FALSE(queue_has(red, QUEUE_ACK));
     take_mail(2); /* was under way to it */
-    CU_ASSERT_FALSE(red->links[QUEUE_ACK].in);
+    CU_ASSERT_FALSE(queue_has(red, QUEUE_ACK));
 }
 
 int main(void)

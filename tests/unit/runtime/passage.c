@@ -205,8 +205,8 @@ static void test_who_leaves_is_not_disposed_of(void)
     mu_agent_leave(red);
     CU_ASSERT_EQUAL(mu_agent_state(red), MU_GONE);
     CU_ASSERT_EQUAL(disposals, 0);
-    CU_ASSERT_PTR_NULL(here.queues[QUEUE_SEND].first); /* its next life says it */
-    CU_ASSERT_PTR_NULL(here.queues[QUEUE_ACK].first);
+    CU_ASSERT_PTR_NULL(queue_first(&here, QUEUE_SEND)); /* its next life says it */
+    CU_ASSERT_PTR_NULL(queue_first(&here, QUEUE_ACK));
     CU_ASSERT_EQUAL(mu_agent_join(&here, &again, "red", MU_KIND_ROBOT, 0, &handlers), MU_OK);
     mu_agent_be(again, &kind);
     CU_ASSERT_TRUE(life_name_on(again, NAME_FREE));

@@ -93,17 +93,17 @@ static void test_another_broker_hears_all_and_is_told_nothing_before_its_answer(
     d.parcels._buffer = &item;
     d.parcels._length = 1;
     step_take_delivery(&process, &d, NULL);
-    CU_ASSERT(process.queues[QUEUE_SEND].first == a0 && process.queues[QUEUE_ACK].first == a0);
+    CU_ASSERT(queue_first(&process, QUEUE_SEND) == a0 && queue_first(&process, QUEUE_ACK) == a0);
     CU_ASSERT_EQUAL(process.ack_delay.items, 1);
     forget();
     link_register(&process);
     CU_ASSERT_EQUAL(process.roll.due_count, 3);
-    CU_ASSERT_PTR_NULL(process.queues[QUEUE_SEND].first);
-    CU_ASSERT_PTR_NULL(process.queues[QUEUE_ACK].first);
+    CU_ASSERT_PTR_NULL(queue_first(&process, QUEUE_SEND));
+    CU_ASSERT_PTR_NULL(queue_first(&process, QUEUE_ACK));
     CU_ASSERT_EQUAL(process.ack_delay.items, 0);
     accept(6);
-    CU_ASSERT_PTR_EQUAL(process.queues[QUEUE_SEND].first, a0);
-    CU_ASSERT_PTR_NULL(process.queues[QUEUE_ACK].first); /* the box counts anew */
+    CU_ASSERT_PTR_EQUAL(queue_first(&process, QUEUE_SEND), a0);
+    CU_ASSERT_PTR_NULL(queue_first(&process, QUEUE_ACK)); /* the box counts anew */
 }
 
 /* There is no network: the first part stays in hand. */

@@ -156,7 +156,7 @@ void life_check_empty(void)
     HOLD(b->receipts.pool.live == 0);
     HOLD(b->due.count == 0 && b->expiry.count == 0);
     HOLD(b->arrivals.oldest == NULL);
-    HOLD(b->claims.count == 0);
+    HOLD(b->claims.pool.live == 0);
     HOLD(b->multicast.count == 0);
     HOLD(b->mailbox.watched.count == 0);
     for (int side = 0; side < QUOTA_SIDES; side++) {
