@@ -14,6 +14,7 @@ import argparse
 import os
 import pathlib
 import re
+import subprocess
 import sys
 
 import floors
@@ -170,6 +171,14 @@ def check_calls():
             bad(ROOT / "src", 1, "\n    ".join([what, *edges]), min(unfinished) if unfinished else None)
 
 
+def check_states():
+    """The page of the state machines is that of the tables in the code."""
+    maker, page = ROOT / "tools/states-reference", ROOT / "docs/reference/states.md"
+    made = subprocess.run([maker], capture_output=True, text=True, check=True).stdout if maker.exists() else ""
+    if made and not page.read_text().endswith(made):
+        bad(page, 1, "is out of date: make docs")
+
+
 def check_all():
     for folder in ("src", "include", "tests", "examples", "bench"):
         for path in sorted((ROOT / folder).rglob("*.[ch]")):
@@ -183,6 +192,7 @@ def check_all():
     said = words.persons(ROOT)
     for path, n, text in said if len(said) > words.PERSONS_MAX else []:
         bad(path, n, f"one of {len(said)} comments with who, nobody or he (at most {words.PERSONS_MAX}): {text}")
+    check_states()
     check_calls()
 
 
