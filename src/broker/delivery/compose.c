@@ -7,26 +7,23 @@
 
 #include <string.h>
 
-static uint64_t interval_steps(const struct broker *b)
+static bool is_paced(const struct broker *b)
 {
-    uint64_t step_ns = b->clock.step_ns;
-    return b->dispatch.interval_ns / step_ns + (b->dispatch.interval_ns % step_ns > 0);
+    return scope_is_paced(b->dispatch.view.scope);
 }
 
-bool compose_is_awake(const struct broker *b, bool lockstep)
+/* @return whether ordinary mail may go out */
+static bool is_awake(const struct broker *b)
 {
-    if (b->dispatch.interval_ns == 0 || !lockstep) {
-        return b->dispatch.interval_ns == 0 || b->dispatch.awake;
-    }
-    return (uint64_t)b->steps.step % interval_steps(b) == 0;
+    return is_paced(b) ? b->dispatch.view.is_round : dispatch_is_awake(b);
 }
 
 /* @return how much longer a mail has waited than it had without an interval, at most */
 static uint64_t mail_delay_ns(const struct broker *b, const struct mail *m)
 {
     uint64_t now_ns = clock_mail_ns(&b->clock), since_ns = b->dispatch.slept_ns;
-    if (b->dispatch.open_lockstep) {
-        uint64_t round_ns = interval_steps(b) * b->clock.step_ns;
+    if (is_paced(b)) {
+        uint64_t round_ns = b->dispatch.view.round_ns;
         since_ns = now_ns > round_ns ? now_ns - round_ns : 0;
     }
     since_ns = since_ns > m->came_ns ? since_ns : m->came_ns;
@@ -53,7 +50,7 @@ static bool parcels_fill(struct broker *b, struct dispatch_part *part, struct di
     }
     struct box *box = mailbox_box(&b->mailbox, agent);
     enum mailbox_gate gate = names_gate(b, agent);
-    bool awake = compose_is_awake(b, b->dispatch.open_lockstep);
+    bool awake = is_awake(b);
     mailbox_hand_out(&b->mailbox, agent, awake || gate < GATE_URGENT ? gate : GATE_URGENT,
                      journal_room(b, agent));
     uint64_t number = box->acked + box->written;
@@ -128,16 +125,16 @@ static void refusals_fill(struct broker *b, struct process *at, muster_Delivery 
     }
 }
 
-/* In lock step the pages are of its members, those who have ended, too, and of who was there when
- * it began: who else comes and goes does so by the wall clock.  Onlookers, who want no broadcasts,
- * are not shown at all. */
+/* Inside, the pages are of members, of those that have ended, too, and of agents that were there
+ * when the run began: all others come and go by the wall clock.  Onlookers, which want no
+ * broadcasts, are not shown at all. */
 static bool line_is_shown(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
     bool from_the_start =
-        changelog_version(&b->registry.changes, agent) <= b->steps.start_version &&
+        changelog_version(&b->registry.changes, agent) <= b->dispatch.view.start_version &&
         !a->is.no_broadcasts && a->is.home[0] == '\0';
-    return !b->dispatch.open_lockstep || from_the_start || a->ended || scope_is_inside(a->scope);
+    return !is_paced(b) || from_the_start || a->ended || scope_is_inside(a->scope);
 }
 
 /* @return whether a step has changed a line since the last Delivery, and more was said of it since
@@ -145,8 +142,7 @@ static bool line_is_shown(const struct broker *b, uint32_t agent)
 static bool line_is_of_step(const struct broker *b, uint32_t agent, uint64_t version_had)
 {
     uint64_t version = b->registry.agents[agent].step_version;
-    return b->dispatch.open_lockstep && version > version_had &&
-           version <= b->dispatch.open_version;
+    return is_paced(b) && version > version_had && version <= b->dispatch.open_version;
 }
 
 static int member_compare(const void *x, const void *y, const void *context)
@@ -156,7 +152,7 @@ static int member_compare(const void *x, const void *y, const void *context)
     return strcmp(one->name, other->name);
 }
 
-/* Changes of the white pages since the last Delivery; in lock step, those of the last step. */
+/* Changes of the white pages since the last Delivery; inside, those of the last step. */
 static void members_fill(struct broker *b, const struct process *at, muster_Delivery *d)
 {
     const struct changelog *c = &b->registry.changes;
@@ -166,7 +162,7 @@ static void members_fill(struct broker *b, const struct process *at, muster_Deli
     }
     /* With its first agent it learns which broker this is, and forgets what another one has told.
      */
-    if (at->agents_count == 0 && !b->dispatch.open_lockstep) {
+    if (at->agents_count == 0 && !is_paced(b)) {
         b->dispatch.open_version = at->version_had;
         return;
     }
@@ -187,8 +183,9 @@ static void members_fill(struct broker *b, const struct process *at, muster_Deli
 
 static void outside_fill(struct broker *b, muster_Delivery *d)
 {
-    for (uint32_t i = 0; i < b->steps.told_count; i++) {
-        d->outside._buffer[d->outside._length++] = b->steps.told[i]->letter;
+    const struct steps_view *view = &b->dispatch.view;
+    for (uint32_t i = 0; i < view->told_count; i++) {
+        d->outside._buffer[d->outside._length++] = view->told[i]->letter;
     }
 }
 
@@ -244,7 +241,7 @@ static void parts_fill(struct broker *b, muster_Delivery *d)
     struct dispatch_room room = {.parcels = pacing_room(b, c->open), .bytes = DISPATCH_BYTES};
     for (uint32_t i = 0; i < c->parts_count; i++) {
         struct dispatch_part *part = &c->parts[i];
-        if (c->open_lockstep) { /* each box has its own room: none can starve another */
+        if (is_paced(b)) { /* each box has its own room: none can starve another */
             uint32_t left = DISPATCH_ITEMS - d->parcels._length;
             uint32_t most = MU_WINDOW_MAX + MAILBOX_RESERVE;
             room = (struct dispatch_room){.parcels = left < most ? left : most,
@@ -286,29 +283,24 @@ bool compose_fill(struct broker *b, uint32_t place, muster_Delivery *d)
 {
     struct dispatch *c = &b->dispatch;
     struct process *at = &b->processes.at[place];
-    c->open_lockstep = scope_is_paced(at->scope);
-    if (c->open_lockstep && (!at->step_due || b->steps.awaits_moves)) {
+    if (!steps_view(b, place, c->interval_ns, &c->view)) {
         return false;
     }
-    c->open_version = c->open_lockstep ? b->steps.version : b->registry.changes.version;
+    c->open_version = c->view.version;
     c->open_delay_ns = 0;
     delivery_begin(b, at, d);
-    if (c->open_lockstep) {
-        d->step = b->steps.step - 1;
-    }
+    d->step = c->view.step;
     parts_take(b, place);
     parts_fill(b, d);
     refusals_fill(b, at, d);
     members_fill(b, at, d);
-    if (c->open_lockstep) { /* in which order they changed depends on the wall clock */
+    if (is_paced(b)) { /* in which order they changed depends on the wall clock */
         mu_sort(c->members, d->members._length, sizeof c->members[0], member_compare, NULL);
     }
     view_fill(b, at, d);
-    if (at->simulator) {
-        outside_fill(b, d);
-    }
+    outside_fill(b, d);
     delivery_finish(d);
-    return c->open_lockstep || d->parcels._length || d->receipts._length || d->verdicts._length ||
+    return is_paced(b) || d->parcels._length || d->receipts._length || d->verdicts._length ||
            d->members._length || d->memberships._length || d->offers._length || d->roll_call;
 }
 

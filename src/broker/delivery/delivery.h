@@ -133,9 +133,6 @@ bool compose_fill(struct broker *b, uint32_t place, muster_Delivery *d);
 /** Nor does who only looks, and what he sees. */
 bool compose_fill_glance(struct broker *b, uint32_t place, muster_Delivery *d);
 
-/** @return whether ordinary mail may go out, to members of the lock step or to others */
-bool compose_is_awake(const struct broker *b, bool lockstep);
-
 /** Those who had no room are first in the queue of the next Delivery; who had something may have
  * more. */
 void compose_return(struct broker *b, bool taken);
@@ -162,8 +159,8 @@ void compose_end_word(struct broker *b);
  */
 
 enum {
-    DISPATCH_BYTES = 128 * 1024,     /* of mail in one Delivery, out of lock step */
-    DISPATCH_BOX_BYTES = 256 * 1024, /* of mail in one Delivery for one box, in lock step */
+    DISPATCH_BYTES = 128 * 1024,     /* of mail in one Delivery */
+    DISPATCH_BOX_BYTES = 256 * 1024, /* of mail in one Delivery of a step, for one box */
     DISPATCH_AGENTS = 1024,          /* in one Delivery; the others are in the next one */
     DISPATCH_RECEIPTS = 8192,
     DISPATCH_ITEMS = 64 * 1024, /* as many as a process takes */
@@ -195,7 +192,7 @@ struct dispatch_room {
 struct dispatch {
     uint32_t
         open; /* whose Delivery is out with the caller; PROCESSES_ALL: a multicast; or MU_NONE */
-    bool open_lockstep;
+    struct steps_view view; /* from which it is filled */
     uint64_t open_version;
     uint64_t open_delay_ns; /* that the interval has added to the mails in it, together */
     uint64_t interval_ns;   /* between two wakings; 0: it never sleeps */
@@ -220,6 +217,9 @@ struct dispatch {
 };
 
 void dispatch_init(struct dispatch *c);
+
+/** @return whether ordinary mail may go out to processes that do not go by steps */
+bool dispatch_is_awake(const struct broker *b);
 
 /** As broker_next, broker_delivered and broker_undelivered. */
 bool dispatch_next(struct broker *b, const char **process, muster_Delivery *d);

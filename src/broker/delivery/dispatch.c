@@ -16,6 +16,11 @@ void dispatch_init(struct dispatch *c)
 
 /* --- the interval ----------------------------------------------------------------------------- */
 
+bool dispatch_is_awake(const struct broker *b)
+{
+    return b->dispatch.interval_ns == 0 || b->dispatch.awake;
+}
+
 /* @return whether there is a directive to hand out, or anything to go out once more */
 static bool box_is_urgent(struct broker *b, uint32_t agent)
 {
@@ -53,7 +58,7 @@ static bool place_hold(struct broker *b, uint32_t place)
 {
     struct dispatch *c = &b->dispatch;
     struct process *at = &b->processes.at[place];
-    if (scope_is_paced(at->scope) || compose_is_awake(b, false) || place_is_urgent(b, place)) {
+    if (scope_is_paced(at->scope) || dispatch_is_awake(b) || place_is_urgent(b, place)) {
         return false;
     }
     c->held += !at->held;
@@ -111,7 +116,7 @@ bool dispatch_next(struct broker *b, const char **process, muster_Delivery *d)
     dispatch_wake(b);
     if (multicast_next(b, d)) {
         b->dispatch.open = PROCESSES_ALL;
-        b->dispatch.open_lockstep = false;
+        b->dispatch.view = (struct steps_view){0};
         b->dispatch.open_delay_ns = 0;
         *process = BUS_TO_ALL;
         return true;
@@ -169,14 +174,14 @@ static void part_delivered(struct broker *b, const struct dispatch_part *part)
     b->counters.resent += again;
     mailbox_take_back(&b->mailbox, part->agent);
     bool watched = mu_list_has(MU_LINKS(b->mailbox.boxes, watch), part->agent);
-    if (!b->dispatch.open_lockstep && part->parcels > 0 && (again > 0 || !watched)) {
+    if (!scope_is_paced(b->dispatch.view.scope) && part->parcels > 0 && (again > 0 || !watched)) {
         mailbox_watch(&b->mailbox, part->agent, b->clock.now_ns);
     }
 }
 
 static void delivery_count(struct dispatch *c, uint32_t parcels)
 {
-    c->worked = c->worked || !c->open_lockstep;
+    c->worked = c->worked || !scope_is_paced(c->view.scope);
     c->count.deliveries++;
     c->count.parcels += parcels;
     c->count.delay_ns += c->open_delay_ns;
@@ -216,12 +221,8 @@ void dispatch_delivered(struct broker *b)
     if (c->open_version > at->version_had) {
         at->version_had = c->open_version;
     }
-    if (c->open_lockstep) {
-        at->step_due = false;
-        at->step_had = b->steps.step - 1;
-        if (at->simulator) {
-            steps_told(b);
-        }
+    if (scope_is_paced(c->view.scope)) {
+        steps_delivered(b, c->open);
     } else {
         processes_wake(&b->processes, c->open); /* there may be more than one Delivery could hold */
     }

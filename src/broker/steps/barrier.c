@@ -233,6 +233,39 @@ void steps_told(struct broker *b)
     }
 }
 
+bool steps_view(const struct broker *b, uint32_t place, uint64_t interval_ns,
+                struct steps_view *view)
+{
+    const struct steps *l = &b->steps;
+    const struct process *at = &b->processes.at[place];
+    *view = (struct steps_view){.scope = (enum scope)at->scope,
+                                .step = muster_STEP_NOW,
+                                .version = b->registry.changes.version};
+    if (!scope_is_paced(view->scope)) {
+        return true;
+    }
+    uint64_t step_ns = b->clock.step_ns;
+    uint64_t steps = interval_ns / step_ns + (interval_ns % step_ns > 0);
+    view->step = l->step - 1;
+    view->version = l->version;
+    view->start_version = l->start_version;
+    view->round_ns = steps * step_ns;
+    view->is_round = steps == 0 || (uint64_t)l->step % steps == 0;
+    view->told = l->told;
+    view->told_count = place == l->simulator ? l->told_count : 0;
+    return at->step_due && !l->awaits_moves;
+}
+
+void steps_delivered(struct broker *b, uint32_t place)
+{
+    struct process *at = &b->processes.at[place];
+    at->step_due = false;
+    at->step_had = b->steps.step - 1;
+    if (place == b->steps.simulator) {
+        steps_told(b);
+    }
+}
+
 void steps_owe_delivery(struct broker *b, uint32_t place)
 {
     b->processes.at[place].step_due = true;

@@ -174,7 +174,31 @@ bool steps_keeps_before(const struct broker *b, const struct mail *m, uint32_t r
 /** No agent is on its way any more: the step that was held ends. */
 void steps_release(struct broker *b);
 
-/** The simulator has been told of the mails from outside. */
+/* What a process may be told in its next Delivery. */
+struct steps_view {
+    enum scope scope;         /* of the process */
+    int64_t step;             /* that the Delivery ends, or muster_STEP_NOW */
+    uint64_t version;         /* it is told the white pages up to this one, */
+    uint64_t start_version;   /* and what has not changed since this one like everybody */
+    uint64_t round_ns;        /* the delivery interval, in whole steps */
+    uint32_t told_count;      /* mails from outside of which the simulator is told, */
+    struct mail *const *told; /* and those */
+    bool is_round;            /* ordinary mail may go out */
+};
+
+/**
+ * @param interval_ns  between two rounds of ordinary mail; 0: there is always one
+ * @param view         out: valid until the next step ends
+ * @return false: the process goes by steps, and has had the Delivery of the last one
+ */
+bool steps_view(const struct broker *b, uint32_t place, uint64_t interval_ns,
+                struct steps_view *view);
+
+/** A process that goes by steps has its Delivery. */
+void steps_delivered(struct broker *b, uint32_t place);
+
+/** Releases the mails from outside of which the simulator has been told, or is to be told no more.
+ */
 void steps_told(struct broker *b);
 
 void steps_owe_delivery(struct broker *b, uint32_t place);
