@@ -176,9 +176,6 @@ void broker_roster(struct broker *b, const muster_Roster *roster, uint64_t now_n
 
 /* --- what processes send ---------------------------------------------------------------------- */
 
-/* When what an Up says takes effect. */
-enum up_effect { EFFECT_NOW, EFFECT_STEP, EFFECT_STEP_AS_OUTSIDE, EFFECT_REPLAY };
-
 /* @return the agent of that name, if it lives there, or MU_NONE */
 static uint32_t agent_at(const struct broker *b, uint32_t place, const char *name)
 {
@@ -188,22 +185,19 @@ static uint32_t agent_at(const struct broker *b, uint32_t place, const char *nam
 }
 
 static void mail_take(struct broker *b, uint32_t sender, const muster_Mail *letter,
-                      enum up_effect effect)
+                      enum steps_effect effect)
 {
     struct mail *m = admit_mail(b, sender, letter);
     if (!m) {
         return;
     }
-    if (effect == EFFECT_REPLAY && deliver_is_held(b, m)) {
+    if (effect == STEPS_REPLAY && deliver_is_held(b, m)) {
         step_keep_replay(b, m);
         return;
     }
-    bool outside =
-        effect == EFFECT_STEP_AS_OUTSIDE ||
-        (effect != EFFECT_STEP && clock_by_steps(&b->clock) && route_meets_lockstep(b, m));
-    if (effect != EFFECT_STEP && !outside) {
-        (void)route_mail(b, m);
-    } else if (!steps_keep(b, m, outside)) {
+    if (effect != STEPS_INSIDE && effect != STEPS_OUTSIDE) {
+        route_from_outside(b, m);
+    } else if (!steps_keep(b, m, effect == STEPS_OUTSIDE)) {
         settle_turn_away(b, m);
     }
 }
@@ -223,21 +217,22 @@ static bool mail_is_next(struct broker *b, uint32_t sender, uint64_t first_seq, 
     return true;
 }
 
-static void act_take(struct broker *b, uint32_t place, const muster_Act *act, enum up_effect effect)
+static void act_take(struct broker *b, uint32_t place, const muster_Act *act,
+                     enum steps_effect effect)
 {
     uint32_t agent = agent_at(b, place, act->agent);
     if (agent == MU_NONE) {
         b->counters.malformed += act->mails._length; /* in the name of somebody else */
         return;
     }
-    if (effect == EFFECT_STEP) {
+    if (effect == STEPS_INSIDE) {
         steps_keep_state(&b->steps, agent, act->state);
         snapshots_heard(b, agent, place);
     } else if (act->replays) {
-        effect = EFFECT_REPLAY;
+        effect = STEPS_REPLAY;
     }
-    if (effect == EFFECT_STEP && !scope_is_inside(names_scope(b, agent))) {
-        effect = EFFECT_NOW; /* it speaks in its turn, but from outside */
+    if (effect == STEPS_INSIDE && !scope_is_inside(names_scope(b, agent))) {
+        effect = STEPS_NOW; /* it speaks in its turn, but from outside */
     }
     if (act->mails._length > 0) {
         pacing_note_speaker(b, place);
@@ -285,19 +280,16 @@ void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
     uint32_t place = validate_string(up->process, MU_PROCESS_MAX)
                          ? processes_find(&b->processes, up->process)
                          : MU_NONE;
+    enum steps_effect effect = place != MU_NONE ? steps_effect(b, place, up->step) : STEPS_IGNORED;
     if (!good || place == MU_NONE) {
         b->counters.malformed++;
-        if (place != MU_NONE && steps_wants(b, place, up->step)) {
+        if (effect == STEPS_INSIDE) {
             step_answered(b, place); /* the others need not wait for a better answer */
         }
         return;
     }
-    enum up_effect effect = EFFECT_NOW;
-    if (b->processes.at[place].rostered) {
-        if (up->step != muster_STEP_NOW && !steps_wants(b, place, up->step)) {
-            return;
-        }
-        effect = up->step == muster_STEP_NOW ? EFFECT_STEP_AS_OUTSIDE : EFFECT_STEP;
+    if (effect == STEPS_IGNORED) {
+        return;
     }
     steps_open_turn(&b->steps);
     acks_take(b, place, up);
@@ -305,12 +297,12 @@ void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
         act_take(b, place, &up->acts._buffer[i], effect);
     }
     for (uint32_t i = 0; i < up->trips._length; i++) {
-        transfer_hear(b, place, &up->trips._buffer[i], effect == EFFECT_STEP);
+        transfer_hear(b, place, &up->trips._buffer[i], effect == STEPS_INSIDE);
     }
     for (uint32_t i = 0; i < up->glances._length; i++) {
         probes_hear(b, place, &up->glances._buffer[i]);
     }
-    if (effect == EFFECT_STEP) {
+    if (effect == STEPS_INSIDE) {
         step_answered(b, place);
     }
 }

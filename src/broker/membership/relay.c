@@ -64,11 +64,7 @@ static void mail_take(struct broker *b, uint32_t agent, uint32_t sender, const m
     m->sender = sender;
     m->payer = registry_is_own(sender) ? agent : sender;
     m->only = agent;
-    if (!clock_by_steps(&b->clock) || !route_meets_lockstep(b, m)) {
-        (void)route_mail(b, m);
-    } else if (!steps_keep(b, m, true)) {
-        settle_turn_away(b, m);
-    }
+    route_from_outside(b, m);
 }
 
 static bool parcel_is_whole(const muster_Parcel *p)

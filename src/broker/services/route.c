@@ -12,11 +12,12 @@ static bool mail_is_to_scheme(const struct mail *m)
     return m->only == MU_NONE && mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME;
 }
 
-bool route_meets_lockstep(struct broker *b, const struct mail *m)
+/* @return whether the mail is for an agent inside, or changes what is said of one */
+static bool meets_run(struct broker *b, const struct mail *m)
 {
     struct recipients to;
     if (mail_is_to_scheme(m)) {
-        return view_has_resolver(b, m->letter.dst); /* only members of the lock step are asked */
+        return view_has_resolver(b, m->letter.dst); /* only members are asked */
     }
     recipients_of_mail(b, m, &to);
     bool meets = false;
@@ -29,6 +30,15 @@ bool route_meets_lockstep(struct broker *b, const struct mail *m)
         }
     }
     return meets;
+}
+
+void route_from_outside(struct broker *b, struct mail *m)
+{
+    if (!clock_by_steps(&b->clock) || !meets_run(b, m)) {
+        (void)route_mail(b, m);
+    } else if (!steps_keep(b, m, true)) {
+        settle_turn_away(b, m);
+    }
 }
 
 /* --- on its way ------------------------------------------------------------------------------- */

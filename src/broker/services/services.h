@@ -253,7 +253,7 @@ void route_pump(struct broker *b, uint32_t sender);
 void route_resolve_expire(struct broker *b, uint64_t mail_ns);
 void route_resolve_give_up(struct broker *b);
 
-/** @return whether the mail is for an agent in the lock step, or changes what is said of one */
-bool route_meets_lockstep(struct broker *b, const struct mail *m);
+/** Mail that came from outside sets out: now, or with the end of the step, if it meets the run. */
+void route_from_outside(struct broker *b, struct mail *m);
 
 #endif

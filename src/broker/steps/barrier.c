@@ -174,10 +174,16 @@ void steps_keep_state(struct steps *l, uint32_t agent, muster_State state)
     turn->state = state;
 }
 
-bool steps_wants(const struct broker *b, uint32_t place, int64_t step)
+enum steps_effect steps_effect(const struct broker *b, uint32_t place, int64_t step)
 {
     const struct process *at = &b->processes.at[place];
-    return at->rostered && !at->answered && step == b->steps.step;
+    if (!scope_is_inside(at->scope)) {
+        return STEPS_NOW;
+    }
+    if (step == muster_STEP_NOW) {
+        return STEPS_OUTSIDE;
+    }
+    return !at->answered && step == b->steps.step ? STEPS_INSIDE : STEPS_IGNORED;
 }
 
 static int agent_compare(const void *x, const void *y, const void *registry)

@@ -141,8 +141,11 @@ void steps_rescope(struct broker *b, uint32_t agent);
 /** The run is held for a process that is to come, or is so no longer. */
 void steps_set_held(struct broker *b, bool held);
 
-/** @return whether an Up of this process and step is to be collected now */
-bool steps_wants(const struct broker *b, uint32_t place, int64_t step);
+/* When what an Up says takes effect: STEPS_INSIDE, as an answer to the step; STEPS_OUTSIDE, with
+ * it; STEPS_REPLAY, with the step that a recording says. */
+enum steps_effect { STEPS_NOW, STEPS_INSIDE, STEPS_OUTSIDE, STEPS_REPLAY, STEPS_IGNORED };
+
+enum steps_effect steps_effect(const struct broker *b, uint32_t place, int64_t step);
 
 /** @return how many answers the step waits for; 1 when there is no lock step */
 uint32_t steps_missing(const struct steps *l);
