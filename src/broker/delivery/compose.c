@@ -7,6 +7,11 @@
 
 #include <string.h>
 
+bool compose_is_awake(const struct broker *b)
+{
+    return b->dispatch.interval_ns == 0 || b->dispatch.awake;
+}
+
 static bool is_paced(const struct broker *b)
 {
     return scope_is_paced(b->dispatch.view.scope);
@@ -15,7 +20,7 @@ static bool is_paced(const struct broker *b)
 /* @return whether ordinary mail may go out */
 static bool is_awake(const struct broker *b)
 {
-    return is_paced(b) ? b->dispatch.view.is_round : dispatch_is_awake(b);
+    return is_paced(b) ? b->dispatch.view.is_round : compose_is_awake(b);
 }
 
 /* @return how much longer a mail has waited than it had without an interval, at most */

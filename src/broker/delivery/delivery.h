@@ -127,6 +127,9 @@ uint64_t pacing_deadline_ns(const struct broker *b);
 
 /* --- compose.c ------------------------------------------------------------------------------- */
 
+/** @return whether ordinary mail may go out to processes that do not go by steps */
+bool compose_is_awake(const struct broker *b);
+
 /** @return whether there is anything to say */
 bool compose_fill(struct broker *b, uint32_t place, muster_Delivery *d);
 
@@ -217,9 +220,6 @@ struct dispatch {
 };
 
 void dispatch_init(struct dispatch *c);
-
-/** @return whether ordinary mail may go out to processes that do not go by steps */
-bool dispatch_is_awake(const struct broker *b);
 
 /** As broker_next, broker_delivered and broker_undelivered. */
 bool dispatch_next(struct broker *b, const char **process, muster_Delivery *d);

@@ -16,11 +16,6 @@ void dispatch_init(struct dispatch *c)
 
 /* --- the interval ----------------------------------------------------------------------------- */
 
-bool dispatch_is_awake(const struct broker *b)
-{
-    return b->dispatch.interval_ns == 0 || b->dispatch.awake;
-}
-
 /* @return whether there is a directive to hand out, or anything to go out once more */
 static bool box_is_urgent(struct broker *b, uint32_t agent)
 {
@@ -58,7 +53,7 @@ static bool place_hold(struct broker *b, uint32_t place)
 {
     struct dispatch *c = &b->dispatch;
     struct process *at = &b->processes.at[place];
-    if (scope_is_paced(at->scope) || dispatch_is_awake(b) || place_is_urgent(b, place)) {
+    if (scope_is_paced(at->scope) || compose_is_awake(b) || place_is_urgent(b, place)) {
         return false;
     }
     c->held += !at->held;
