@@ -11,11 +11,9 @@
 #include "core/text.h"
 #include "muster/memory.h"
 
-#include <limits.h>
 #include <malloc.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 /* How often, by the wall, matched writers are looked at and counters are told. */
 static const uint64_t LOOK_NS = HEALTH_NEWS_NS;

@@ -107,8 +107,8 @@ struct mu_options {
  * Call it before mu_memory_seal(): values from the configuration file are start-up memory.
  *
  * @return MU_OK; MU_DONE when --help, --version or --dump-options was asked for and printed;
- * MU_FAULT_USAGE for an unknown option, a bad value or a wrong number of words, MU_FAULT_FILE for a bad
- * configuration file, both already explained on standard error
+ * MU_FAULT_USAGE for an unknown option, a bad value or a wrong number of words, MU_FAULT_FILE for a
+ * bad configuration file, both already explained on standard error
  */
 MU_MUST_USE mu_result mu_options_parse(struct mu_options *options, int argc, char **argv);
 

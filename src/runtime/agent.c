@@ -5,7 +5,6 @@
 #include "core/text.h"
 #include "muster/kind.h"
 #include "muster/refusal.h"
-#include "runtime/letter.h"
 #include "runtime/life.h"
 #include "runtime/process.h"
 

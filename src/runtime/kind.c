@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "runtime/kind.h"
 
-#include "core/performatives.h"
 #include "runtime/process.h"
 
-#include <stdio.h>
 #include <string.h>
 
 static const struct mu_agent_kind *parent_of(const struct mu_agent *a,

@@ -2,7 +2,6 @@
 /* The abilities of every agent: a kind overrides a row by one of its own. */
 #include "core/text.h"
 #include "muster/directory.h"
-#include "runtime/kind.h"
 #include "runtime/life.h"
 #include "runtime/process.h"
 #include "runtime/resolver.h"

@@ -3,7 +3,6 @@
 
 #include "core/clock.h"
 #include "core/signals.h"
-#include "core/text.h"
 #include "muster/kind.h"
 #include "muster/memory.h"
 

@@ -2,10 +2,6 @@
 #include "broker/base/base.h"
 
 #include "broker/control/parts.h"
-#include "core/name.h"
-#include "core/text.h"
-
-#include <string.h>
 
 void clock_set_now(struct clock *c, uint64_t now_ns)
 {

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/base/base.h"
 
-#include "broker/control/parts.h"
 #include "muster/memory.h"
 #include "muster/result.h"
 

@@ -3,8 +3,6 @@
 
 #include "core/address.h"
 #include "core/name.h"
-#include "core/text.h"
-#include "muster/memory.h"
 
 #include <string.h>
 

@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/control/broker.h"
 
 #include "broker/control/broker.h"
 #include "broker/control/parts.h"
@@ -9,7 +8,6 @@
 #include "muster/memory.h"
 
 #include <stdio.h>
-#include <string.h>
 
 static const uint64_t RESEND_AFTER_NS = 1000000000;
 static const uint64_t HOLD_NS = 1500000000;

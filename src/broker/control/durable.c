@@ -4,12 +4,8 @@
 #include "broker/control/broker.h"
 
 #include "broker/control/parts.h"
-#include "broker/control/step.h"
-#include "broker/membership/membership.h"
-#include "core/hash.h"
 #include "core/name.h"
 #include "core/text.h"
-#include "muster/memory.h"
 
 #include <string.h>
 

@@ -4,9 +4,6 @@
 #include "broker/control/parts.h"
 #include "broker/control/step.h"
 #include "broker/membership/membership.h"
-#include "core/address.h"
-#include "core/sort.h"
-#include "muster/memory.h"
 
 #include <string.h>
 

@@ -2,10 +2,7 @@
 #include "broker/delivery/delivery.h"
 
 #include "broker/control/parts.h"
-#include "core/sort.h"
 #include "muster/memory.h"
-
-#include <string.h>
 
 void dispatch_init(struct dispatch *c)
 {

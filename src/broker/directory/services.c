@@ -3,7 +3,6 @@
 
 #include "core/attributes.h"
 #include "core/name.h"
-#include "core/text.h"
 
 const char *services_advertise(struct lines *s, const char *service, const char *agent,
                                const struct offer *offer, const struct said *said)

@@ -2,7 +2,6 @@
 #include "broker/directory/directory.h"
 
 #include "core/name.h"
-#include "core/text.h"
 #include "muster/memory.h"
 
 #include <string.h>

@@ -2,14 +2,10 @@
 #include "broker/directory/directory.h"
 
 #include "broker/control/parts.h"
-#include "core/address.h"
 #include "core/attributes.h"
-#include "core/fields.h"
 #include "muster/memory.h"
 
-#include <inttypes.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 void view_init(struct pages *p)

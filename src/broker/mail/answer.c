@@ -2,10 +2,6 @@
 #include "broker/mail/mail.h"
 
 #include "broker/control/parts.h"
-#include "core/fields.h"
-#include "core/name.h"
-
-#include <string.h>
 
 /* Answers outside count from here, so that a question from there does not shift the numbers
  * inside. */

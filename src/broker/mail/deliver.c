@@ -2,10 +2,6 @@
 #include "broker/mail/mail.h"
 
 #include "broker/control/parts.h"
-#include "core/address.h"
-#include "core/sort.h"
-
-#include <string.h>
 
 bool deliver_book(struct broker *b, struct mail *m, struct recipients *to)
 {
@@ -69,7 +65,7 @@ bool deliver_is_held(const struct broker *b, const struct mail *m)
            (!b->clock.runs || (uint64_t)m->letter.due_ns > clock_run_ns(&b->clock));
 }
 
-void deliver_schedule(struct broker *b, struct mail *m, bool held, uint64_t left_ns)
+static void deliver_schedule(struct broker *b, struct mail *m, bool held, uint64_t left_ns)
 {
     uint64_t now_ns = clock_mail_ns(&b->clock);
     arrivals_add(&b->arrivals, m, now_ns);

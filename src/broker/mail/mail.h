@@ -557,13 +557,6 @@ void deliver_conclude(struct broker *b, struct mail *m, const struct recipients 
 bool deliver_is_held(const struct broker *b, const struct mail *m);
 
 /**
- * Notes when a mail that is in boxes is due, and when it expires.
- *
- * @param left_ns  of its time to live, if it has one
- */
-void deliver_schedule(struct broker *b, struct mail *m, bool held, uint64_t left_ns);
-
-/**
  * Puts a mail of an earlier life of the broker into its boxes.
  *
  * @param waiting  names of the receivers that have not settled it, joined by commas

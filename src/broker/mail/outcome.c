@@ -3,8 +3,6 @@
 
 #include "broker/control/parts.h"
 
-#include <string.h>
-
 /* @return whether the news can wait: its sender sends what does not get through */
 static bool news_can_wait(struct broker *b, uint32_t sender, muster_Outcome result)
 {

@@ -3,7 +3,6 @@
 
 #include "broker/control/parts.h"
 #include "core/address.h"
-#include "core/attributes.h"
 #include "core/fields.h"
 #include "muster/memory.h"
 

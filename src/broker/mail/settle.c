@@ -2,12 +2,6 @@
 #include "broker/mail/mail.h"
 
 #include "broker/control/parts.h"
-#include "core/address.h"
-#include "core/hash.h"
-#include "core/text.h"
-#include "muster/memory.h"
-
-#include <string.h>
 
 /* Counts those whom a mail does not reach. */
 static void receivers_count(struct broker *b, const struct mail *m, struct recipients *to)

@@ -2,7 +2,6 @@
 #include "broker/mail/mail.h"
 
 #include "broker/control/parts.h"
-#include "core/sort.h"
 #include "core/text.h"
 #include "muster/memory.h"
 

@@ -2,10 +2,6 @@
 #include "broker/membership/membership.h"
 
 #include "broker/control/parts.h"
-#include "core/hash.h"
-#include "core/name.h"
-#include "core/text.h"
-#include "muster/memory.h"
 
 #include <string.h>
 

@@ -4,7 +4,6 @@
 #include "broker/control/parts.h"
 #include "core/sort.h"
 #include "core/text.h"
-#include "muster/memory.h"
 
 #include <string.h>
 

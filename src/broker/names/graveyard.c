@@ -4,8 +4,6 @@
 #include "core/text.h"
 #include "muster/memory.h"
 
-#include <string.h>
-
 void graveyard_init(struct graveyard *g)
 {
     *g = (struct graveyard){.next = 0};

@@ -2,11 +2,6 @@
 #include "broker/names/names.h"
 
 #include "broker/control/parts.h"
-#include "core/address.h"
-#include "core/name.h"
-#include "core/text.h"
-
-#include <string.h>
 
 uint8_t names_scope(const struct broker *b, uint32_t agent)
 {

@@ -4,12 +4,9 @@
 #include "broker/node/disk_bundle.h"
 #include "broker/node/disk_parts.h"
 #include "core/log.h"
-#include "core/text.h"
-#include "muster/memory.h"
 
 #include <errno.h>
 #include <stdio.h>
-#include <string.h>
 
 /* The log grows to so many pages of 4 kB before it is copied into the file while mail pours in. */
 enum { LOG_PAGES_MAX = 4096 };
@@ -181,7 +178,7 @@ static bool is_same(const struct stat *a, const struct stat *b)
     return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
 }
 
-bool disk_has_moved(struct disk *d)
+static bool disk_has_moved(struct disk *d)
 {
     struct stat now;
     if (stat(d->path, &now) != 0 || !is_same(&now, &d->file)) {

@@ -72,7 +72,4 @@ bool disk_step(sqlite3_stmt *statement);
 /** Notes this life in the store.  @return whether it went */
 bool disk_incarnation_put(struct disk *d);
 
-/** @return whether the file, or its log, was removed or replaced since it was opened */
-bool disk_has_moved(struct disk *d);
-
 #endif

@@ -1,13 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/node/node.h"
 
-#include "broker/node/disk_parts.h"
 #include "core/text.h"
 
-#include <errno.h>
 #include <stdlib.h>
-#include <string.h>
-#include <sys/stat.h>
 
 bool disk_default_path(char *path, size_t size, int domain, const char *broker)
 {

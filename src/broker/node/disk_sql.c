@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/node/node.h"
 
-#include "broker/node/disk_bundle.h"
 #include "broker/node/disk_parts.h"
-#include "core/log.h"
-
-#include <stdio.h>
 
 bool disk_run(struct disk *d, const char *sql)
 {

@@ -3,23 +3,8 @@
 
 #include "broker/control/parts.h"
 #include "core/fields.h"
-#include "core/name.h"
 
 #include <string.h>
-
-void desk_take(struct broker *b, uint32_t own, struct mail *m)
-{
-    bool asks_state = m->letter.layer == 2 && strcmp(m->letter.performative, "state") == 0;
-    if (m->letter.layer == 0) {
-        directive_take(b, own, m);
-    } else if (asks_state) {
-        metrics_answer(b, own, m);
-    } else if (own == REGISTRY_BROKER) {
-        desk_answer(b, m);
-    } else {
-        request_refuse(b, own, m);
-    }
-}
 
 static bool is_shown(const struct broker *b, const struct mail *question, uint32_t agent)
 {
@@ -81,12 +66,26 @@ static void (*const answers[VERB_VERBS])(struct broker *b, const struct mail *qu
     [VERB_UNSUBSCRIBE] = request_unsubscribe,
 };
 
-void desk_answer(struct broker *b, const struct mail *question)
+static void desk_answer(struct broker *b, const struct mail *question)
 {
     enum recipients_verb verb = recipients_verb(question);
     if (verb < VERB_VERBS) {
         answers[verb](b, question);
     } else {
         request_refuse(b, REGISTRY_BROKER, question);
+    }
+}
+
+void desk_take(struct broker *b, uint32_t own, struct mail *m)
+{
+    bool asks_state = m->letter.layer == 2 && strcmp(m->letter.performative, "state") == 0;
+    if (m->letter.layer == 0) {
+        directive_take(b, own, m);
+    } else if (asks_state) {
+        metrics_answer(b, own, m);
+    } else if (own == REGISTRY_BROKER) {
+        desk_answer(b, m);
+    } else {
+        request_refuse(b, own, m);
     }
 }

@@ -50,28 +50,13 @@ static void mail_unstored(struct broker *b, struct mail *m, const struct recipie
     outcome_refuse(b, m, to->unknown, muster_OUTCOME_NO_STORE);
 }
 
-bool route_mail(struct broker *b, struct mail *m)
-{
-    enum resolve_need need = resolve_needs(b, m);
-    if (need == RESOLVE_NOTHING) {
-        return route_go_on(b, m, NULL);
-    }
-    if (need == RESOLVE_FULL) {
-        settle_turn_away(b, m);
-    } else if (ledger_charge(b, m, 1)) {
-        resolve_wait(b, m);
-    } else {
-        b->counters.sent++;
-        outcome_refuse(b, m, 0, muster_OUTCOME_BOX_FULL);
-    }
-    return true;
-}
-
 static bool mail_is_answer(uint32_t own, const struct mail *m)
 {
     bool asks_state = m->letter.layer == 2 && strcmp(m->letter.performative, "state") == 0;
     return own == REGISTRY_BROKER && m->letter.layer != 0 && !asks_state && resolve_is_answer(m);
 }
+
+static void mails_pump(struct broker *b, uint32_t sender);
 
 /* The broker's own desks take it. */
 static void desks_take(struct broker *b, struct mail *m, const struct recipients *to)
@@ -83,39 +68,17 @@ static void desks_take(struct broker *b, struct mail *m, const struct recipients
         }
         b->counters.delivered++;
         if (mail_is_answer(own, m)) {
-            route_pump(b, resolve_take_answer(b, m));
+            mails_pump(b, resolve_take_answer(b, m));
         } else {
             desk_take(b, own, m);
         }
     }
 }
 
-void route_pump(struct broker *b, uint32_t sender)
-{
-    struct mail *m, *answer;
-    while (sender != MU_NONE && (m = resolve_next_ready(b, sender, &answer))) {
-        (void)route_go_on(b, m, answer ? answer->letter.content : NULL);
-        if (answer) {
-            pool_release(&b->pool, answer);
-        }
-    }
-}
-
-void route_resolve_expire(struct broker *b, uint64_t mail_ns)
-{
-    for (uint32_t s; (s = resolve_overdue(b, mail_ns)) != MU_NONE;) {
-        route_pump(b, s);
-    }
-}
-
-void route_resolve_give_up(struct broker *b)
-{
-    for (uint32_t s; (s = resolve_give_up(b)) != MU_NONE;) {
-        route_pump(b, s);
-    }
-}
-
-bool route_go_on(struct broker *b, struct mail *m, const char *names)
+/* Goes on with a mail that need not wait for an address, or no longer.
+ * @param names  fields of content: whom SCHEME:REST stands for; NULL: nobody can tell
+ * @return as route_mail */
+static bool mail_go_on(struct broker *b, struct mail *m, const char *names)
 {
     struct recipients to;
     if (names) {
@@ -143,4 +106,47 @@ bool route_go_on(struct broker *b, struct mail *m, const char *names)
         deliver_conclude(b, m, &to, &done);
     }
     return goes_on;
+}
+
+/* Routes the mails of a sender that wait for a resolver's answer no longer. */
+static void mails_pump(struct broker *b, uint32_t sender)
+{
+    struct mail *m, *answer;
+    while (sender != MU_NONE && (m = resolve_next_ready(b, sender, &answer))) {
+        (void)mail_go_on(b, m, answer ? answer->letter.content : NULL);
+        if (answer) {
+            pool_release(&b->pool, answer);
+        }
+    }
+}
+
+bool route_mail(struct broker *b, struct mail *m)
+{
+    enum resolve_need need = resolve_needs(b, m);
+    if (need == RESOLVE_NOTHING) {
+        return mail_go_on(b, m, NULL);
+    }
+    if (need == RESOLVE_FULL) {
+        settle_turn_away(b, m);
+    } else if (ledger_charge(b, m, 1)) {
+        resolve_wait(b, m);
+    } else {
+        b->counters.sent++;
+        outcome_refuse(b, m, 0, muster_OUTCOME_BOX_FULL);
+    }
+    return true;
+}
+
+void route_resolve_expire(struct broker *b, uint64_t mail_ns)
+{
+    for (uint32_t s; (s = resolve_overdue(b, mail_ns)) != MU_NONE;) {
+        mails_pump(b, s);
+    }
+}
+
+void route_resolve_give_up(struct broker *b)
+{
+    for (uint32_t s; (s = resolve_give_up(b)) != MU_NONE;) {
+        mails_pump(b, s);
+    }
 }

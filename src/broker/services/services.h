@@ -198,9 +198,6 @@ void directive_take(struct broker *b, uint32_t own, const struct mail *m);
 /** Does what the mail wants, and answers it; own is whom it is for. */
 void desk_take(struct broker *b, uint32_t own, struct mail *m);
 
-/** Answers a mail to the broker itself. */
-void desk_answer(struct broker *b, const struct mail *question);
-
 /* --- notify.c -------------------------------------------------------------------------------- */
 
 /** Something may have changed: processes are woken, subscribers are sent what is news to them. */
@@ -237,17 +234,6 @@ struct mail *admit_mail(struct broker *b, uint32_t sender, const muster_Mail *le
 
 /** Puts an admitted mail on its way.  @return false if its sender may not send such a mail */
 bool route_mail(struct broker *b, struct mail *m);
-
-/**
- * Goes on with a mail that need not wait for an address, or no longer.
- *
- * @param names  fields of content: whom SCHEME:REST stands for; NULL: nobody can tell
- * @return as route_mail
- */
-bool route_go_on(struct broker *b, struct mail *m, const char *names);
-
-/** Routes the mails of a sender that wait for a resolver's answer no longer. */
-void route_pump(struct broker *b, uint32_t sender);
 
 /** Ends all waits for answers that are overdue, or all waits, and routes the mails that waited. */
 void route_resolve_expire(struct broker *b, uint64_t mail_ns);
