@@ -70,6 +70,7 @@ static const struct {
     const char *name;
     int (*run)(int argc, char **argv);
 } calls[] = {
+    {"new", new_verb},
     {"run", run_verb},
     {"report", report_verb},
     {"compare", compare_verb},

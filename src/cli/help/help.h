@@ -47,4 +47,9 @@ void verbs_dump(void);
 /** muster completion: what a shell sources; or the words of a kind, a line each. */
 int completion_verb(int argc, char **argv);
 
+/* --- new.c ------------------------------------------------------------------------------------ */
+
+/** muster new: an experiment and a rule file to change. */
+int new_verb(int argc, char **argv);
+
 #endif

@@ -18,6 +18,7 @@
 #define HELP      "Help"
 
 const struct verb verbs[] = {
+    {"new", RUN, "NAME", "an experiment and a rule file to change", "-"},
     {"run", RUN, "FILE", "run an experiment and leave a report", "experiment"},
     {"report", RUN, "DIR", "the report of a run again, from what lies in its folder", "folder"},
     {"compare", RUN, "DIR...", "several runs: means with intervals, table, plots", "folder..."},
