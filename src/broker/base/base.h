@@ -17,8 +17,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-struct broker;
-
 /* --- clock.c --------------------------------------------------------------------------------- */
 
 /*
@@ -34,7 +32,8 @@ struct broker;
 enum clock_mode { CLOCK_WALL, CLOCK_COLLECTS, CLOCK_STEP_ENDS };
 
 struct clock {
-    uint64_t now_ns; /* the broker's clock, as last told */
+    uint64_t now_ns;  /* the broker's clock, as last told */
+    uint64_t wall_ns; /* nanoseconds since 1970 when that shows 0 */
     enum clock_mode mode;
     bool runs;             /* a run has started */
     uint64_t step_ns;      /* of a run that goes by steps */
@@ -76,10 +75,10 @@ uint64_t clock_now_of_mail_ns(const struct clock *c, uint64_t mail_ns);
 uint64_t clock_now_of_run_ns(const struct clock *c, uint64_t run_ns);
 
 /** @return nanoseconds since 1970 */
-uint64_t clock_wall_ns(const struct broker *b);
+uint64_t clock_wall_ns(const struct clock *c);
 
 /** @return the stamp of what is done now: of the run, if it goes by steps; else since 1970 */
-uint64_t clock_stamp_ns(const struct broker *b);
+uint64_t clock_stamp_ns(const struct clock *c);
 
 /* --- changelog.c ----------------------------------------------------------------------------- */
 

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/base/base.h"
 
-#include "broker/control/parts.h"
-
 void clock_set_now(struct clock *c, uint64_t now_ns)
 {
     if (now_ns > c->now_ns) {
@@ -83,12 +81,12 @@ uint64_t clock_now_of_run_ns(const struct clock *c, uint64_t run_ns)
     return now_of(c, clock_run_ns(c), run_ns);
 }
 
-uint64_t clock_wall_ns(const struct broker *b)
+uint64_t clock_wall_ns(const struct clock *c)
 {
-    return b->wall_ns + b->clock.now_ns;
+    return c->wall_ns + c->now_ns;
 }
 
-uint64_t clock_stamp_ns(const struct broker *b)
+uint64_t clock_stamp_ns(const struct clock *c)
 {
-    return clock_by_steps(&b->clock) ? clock_run_ns(&b->clock) : clock_wall_ns(b);
+    return clock_by_steps(c) ? clock_run_ns(c) : clock_wall_ns(c);
 }

@@ -37,7 +37,7 @@ struct broker *broker_open(const struct broker_options *options)
     (void)mu_text_copy(b->name, sizeof b->name, options->name);
     (void)snprintf(b->place, sizeof b->place, "broker.%s", b->name);
     b->incarnation = options->incarnation;
-    b->wall_ns = options->wall_ns;
+    b->clock.wall_ns = options->wall_ns;
     b->resend_after_ns = options->resend_after_ns ? options->resend_after_ns : RESEND_AFTER_NS;
     b->hold_ns = options->hold_ns ? options->hold_ns : HOLD_NS;
     registry_init(&b->registry);
@@ -581,7 +581,7 @@ bool broker_event_next(struct broker *b, muster_BrokerEvent *out)
     *out = (muster_BrokerEvent){.agent = b->registry.agents[event.agent].name,
                                 .sender = b->registry.agents[event.sender].name,
                                 .count = event.count,
-                                .wall_ns = b->wall_ns + event.at_ns};
+                                .wall_ns = b->clock.wall_ns + event.at_ns};
     out->broker = sample_text(b->name);
     out->kind = sample_text(alerts_kind_word(event.kind));
     return true;

@@ -123,7 +123,7 @@ static void agent_return(struct broker *b, uint32_t agent)
 {
     struct agent *a = &b->registry.agents[agent];
     a->is.kind = a->saved_kind;
-    a->since_wall_ns = b->wall_ns;
+    a->since_wall_ns = b->clock.wall_ns;
     names_hold(b, agent);
     if (a->process == MU_NONE) {
         settle_await(b, agent);
@@ -200,7 +200,7 @@ static void agents_named(struct broker *b, const char *names)
 
 static uint64_t left_ns(const struct broker *b, const struct journal_entry *e)
 {
-    uint64_t wall_ns = clock_wall_ns(b);
+    uint64_t wall_ns = clock_wall_ns(&b->clock);
     if (e->expires_wall_ns == 0) {
         return UINT64_MAX;
     }
@@ -289,7 +289,7 @@ static bool restore_line(struct broker *b, const struct journal_entry *e)
 /* A run that went on by the wall has gone on. */
 static bool restore_clock(struct broker *b, const struct journal_entry *e)
 {
-    uint64_t wall_ns = clock_wall_ns(b);
+    uint64_t wall_ns = clock_wall_ns(&b->clock);
     if (e->run_wall_ns == 0 || e->run_wall_ns > wall_ns) {
         return false;
     }

@@ -12,7 +12,7 @@ static struct audit_record *record_of(struct broker *b, uint32_t sender, const c
     if (r) {
         r->allowed = allowed;
         r->simulated = clock_by_steps(&b->clock);
-        r->time_ns = clock_stamp_ns(b);
+        r->time_ns = clock_stamp_ns(&b->clock);
         (void)mu_text_copy(r->sender, sizeof r->sender, b->registry.agents[sender].name);
         (void)mu_text_copy(r->process, sizeof r->process, b->registry.agents[sender].place);
         (void)mu_text_copy(r->performative, sizeof r->performative, performative);

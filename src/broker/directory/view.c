@@ -66,7 +66,7 @@ struct said view_said(struct broker *b)
         told_update(b);
     }
     return (struct said){
-        .stamp_ns = clock_stamp_ns(b),
+        .stamp_ns = clock_stamp_ns(&b->clock),
         .origin = b->name,
         .inside = !clock_collects(&b->clock),
     };
@@ -82,7 +82,7 @@ uint64_t view_lease_ns(const struct broker *b, uint32_t line)
 {
     const struct line *at = &b->pages.services.at[line];
     const struct line_offer *l = &b->pages.services.offers[line];
-    uint64_t wall_ns = clock_wall_ns(b), mail_ns = clock_mail_ns(&b->clock);
+    uint64_t wall_ns = clock_wall_ns(&b->clock), mail_ns = clock_mail_ns(&b->clock);
     if (l->lease_ns == 0 || l->until_ns == UINT64_MAX || !at->holds) {
         return l->lease_ns;
     }

@@ -237,7 +237,7 @@ void journal_line_changed(struct broker *b, enum lines_kind lines, uint32_t slot
 uint64_t journal_run_wall_ns(const struct broker *b)
 {
     bool by_the_wall = b->clock.runs && !clock_by_steps(&b->clock);
-    return by_the_wall ? b->wall_ns + b->clock.base_ns - b->clock.run_ns : 0;
+    return by_the_wall ? b->clock.wall_ns + b->clock.base_ns - b->clock.run_ns : 0;
 }
 
 static bool something_is_marked(const struct broker *b)
@@ -295,7 +295,7 @@ static uint64_t expires_wall_ns(const struct broker *b, const struct mail *m)
         return 0;
     }
     uint64_t mail_ns = clock_mail_ns(&b->clock), at_ns = m->at_ns[TIMERS_EXPIRY];
-    uint64_t left_ns = at_ns > mail_ns ? at_ns - mail_ns : 0, wall_ns = clock_wall_ns(b);
+    uint64_t left_ns = at_ns > mail_ns ? at_ns - mail_ns : 0, wall_ns = clock_wall_ns(&b->clock);
     bool fits = wall_ns < INT64_MAX && left_ns < INT64_MAX - wall_ns; /* what SQLite can hold */
     return fits ? wall_ns + left_ns : INT64_MAX;
 }

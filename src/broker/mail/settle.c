@@ -153,7 +153,7 @@ void settle_tick(struct broker *b)
         return;
     }
     b->journal.awaits = false;
-    uint64_t wall_ns = clock_wall_ns(b);
+    uint64_t wall_ns = clock_wall_ns(&b->clock);
     for (uint32_t i = 0; i < b->registry.count; i++) {
         struct agent *a = &b->registry.agents[i];
         uint64_t absent_ns = wall_ns - a->since_wall_ns;

@@ -174,7 +174,8 @@ void lifecycle_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t s
     residents_add(&b->registry, &b->processes, place, slot, agent);
     processes_accept(&b->processes, place, b->registry.agents[agent].name);
     box_follow(b, agent, is);
-    registry_seat(&b->registry, agent, place, b->processes.at[place].name, is, clock_wall_ns(b));
+    registry_seat(&b->registry, agent, place, b->processes.at[place].name, is,
+                  clock_wall_ns(&b->clock));
     steps_rescope(b, agent);
     names_owe_verdict(b, agent);
     journal_agent(b, agent);
@@ -204,7 +205,7 @@ void lifecycle_depart(struct broker *b, uint32_t agent)
     struct agent *a = &b->registry.agents[agent];
     uint32_t place = a->process;
     residents_remove(&b->registry, &b->processes, agent);
-    registry_unseat(&b->registry, agent, clock_wall_ns(b));
+    registry_unseat(&b->registry, agent, clock_wall_ns(&b->clock));
     steps_rescope(b, agent);
     a->ended = b->clock.mode == CLOCK_STEP_ENDS;
     a->passed = a->ended;
@@ -233,7 +234,7 @@ void lifecycle_depart(struct broker *b, uint32_t agent)
 
 void lifecycle_set_state(struct broker *b, uint32_t agent, muster_State state)
 {
-    if (registry_set_state(&b->registry, agent, state, clock_wall_ns(b))) {
+    if (registry_set_state(&b->registry, agent, state, clock_wall_ns(&b->clock))) {
         names_changed(b);
         residents_wake(&b->registry, &b->processes, agent);
     }
@@ -266,7 +267,7 @@ void lifecycle_reregister(struct broker *b, uint32_t agent, uint32_t slot, struc
     }
     box_follow(b, agent, is);
     step_version_keep(b, agent);
-    bool changed = registry_update(&b->registry, agent, is, clock_wall_ns(b));
+    bool changed = registry_update(&b->registry, agent, is, clock_wall_ns(&b->clock));
     steps_rescope(b, agent);
     if (changed) {
         journal_agent(b, agent);

@@ -19,7 +19,7 @@ static uint32_t sender_of(struct broker *b, const char *src)
         b->registry.agents[sender].process == MU_NONE) {
         struct agent *a = &b->registry.agents[sender];
         a->awaited = true; /* its neighbour will say that it is there */
-        a->since_wall_ns = a->since_wall_ns ? a->since_wall_ns : clock_wall_ns(b);
+        a->since_wall_ns = a->since_wall_ns ? a->since_wall_ns : clock_wall_ns(&b->clock);
     }
     return sender;
 }
@@ -154,7 +154,7 @@ static void lines_take(struct broker *b, const muster_Delivery *d)
 {
     struct said said = view_said(b);
     uint64_t mail_ns = clock_mail_ns(&b->clock);
-    said.stamp_ns = clock_wall_ns(b);
+    said.stamp_ns = clock_wall_ns(&b->clock);
     for (uint32_t i = 0; i < d->memberships._length; i++) {
         const muster_Membership *m = &d->memberships._buffer[i];
         struct line_word w = {m->group, m->agent, m->joined, "", m->origin, 0, m->stamp_ns};

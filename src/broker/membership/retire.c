@@ -170,7 +170,7 @@ static bool is_held_beyond(const struct broker *b, uint32_t agent)
 static bool is_absent(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
-    uint64_t wall_ns = clock_wall_ns(b);
+    uint64_t wall_ns = clock_wall_ns(&b->clock);
     bool is_nobody = a->name[0] != '\0' && a->process == MU_NONE && a->claim == MU_NONE;
     bool is_idle = !a->unsaved && !mu_list_has(MU_LINKS(b->limiter.agents, link), agent);
     return is_nobody && is_idle && !names_is_held(b, agent) && wall_ns > a->since_wall_ns &&

@@ -169,7 +169,7 @@ static void seat_new(struct broker *b, struct snapshot *c, uint32_t slot)
     const struct agent *host = &b->registry.agents[c->host];
     struct presence is = {.kind = muster_KIND_ROBOT,
                           .state = c->state,
-                          .since_wall_ns = clock_wall_ns(b),
+                          .since_wall_ns = clock_wall_ns(&b->clock),
                           .pid = host->is.pid};
     (void)mu_text_copy(is.host, sizeof is.host, host->name);
     lifecycle_seat(b, agent, c->target, slot, &is);
@@ -218,7 +218,7 @@ static void refusal_take(struct broker *b, uint32_t place, const muster_Trip *tr
 static bool is_orphan(const struct broker *b, const struct snapshot *c)
 {
     const struct agent *a = &b->registry.agents[c->agent];
-    uint64_t absent_ns = clock_wall_ns(b) - a->since_wall_ns;
+    uint64_t absent_ns = clock_wall_ns(&b->clock) - a->since_wall_ns;
     bool silent = c->phase == SNAPSHOT_SENT && !c->holds && c->source == MU_NONE &&
                   c->until_ns <= b->clock.now_ns;
     return (c->phase == SNAPSHOT_KEPT || silent) && a->process == MU_NONE &&

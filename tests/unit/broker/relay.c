@@ -100,7 +100,8 @@ static void test_limit_a_sender_for_whose_name_there_is_no_room(void)
     for (uint32_t i = 0; broker_takes_names(story.b); i++) {
         snprintf(name, sizeof name, "n%u", i);
         uint32_t agent = registry_add(&story.b->registry, name);
-        story.b->registry.agents[agent].since_wall_ns = clock_wall_ns(story.b); /* not expired */
+        story.b->registry.agents[agent].since_wall_ns =
+            clock_wall_ns(&story.b->clock); /* not expired */
     }
     uint64_t full = story_status().box_full;
     parcel_comes(1, "stranger", 1, muster_LEVEL_RAM);
