@@ -13,7 +13,6 @@ COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.S)
 PERSON = re.compile(r"\b(?:[Ww]ho(?:m|ever)?|[Ss]ome(?:body|one)|[Nn]obody|[Hh](?:e|im|is))\b")
 # Places in all comments that may speak so; people are meant, or a text is quoted.
 PERSONS_MAX = 20
-PERSONS_LATER = "src/broker/"  # not written anew yet
 NAME = re.compile(r"(?:(?:->|\.)\s*)?[A-Za-z_]\w*")
 
 
@@ -95,5 +94,4 @@ def persons(root):
     kinds = (".c", ".h", ".js", ".css", ".idl", ".py", "")
     paths = [path for top in ("src", "include", "idl", "tools") for path in sorted((root / top).rglob("*"))
              if path.is_file() and path.suffix in kinds and "__pycache__" not in path.parts]
-    return [(path, n, text.strip()) for path in paths if not str(path.relative_to(root)).startswith(PERSONS_LATER)
-            for n, text in comments(path) if PERSON.search(text)]
+    return [(path, n, text.strip()) for path in paths for n, text in comments(path) if PERSON.search(text)]

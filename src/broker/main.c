@@ -23,7 +23,7 @@ static const int64_t IMPATIENT_NS = 2000000;
  */
 static const uint64_t ROSTER_PATIENCE_NS = 500000000;
 
-/* So long it listens for another one of its name before it answers anybody. */
+/* So long it listens for another one of its name before it answers any process. */
 static const uint64_t DOUBT_NS = 300000000;
 
 struct node {
@@ -128,7 +128,7 @@ static void ups_take(struct node *p)
     }
 }
 
-/* Who leaves has said its last before: that is heard first. */
+/* A process that leaves has said its last before: that is heard first. */
 static void registrations_take(struct node *p)
 {
     enum bus_life life;
@@ -195,7 +195,7 @@ static void alerts_tell(struct node *p)
 
 /* --- the loop --------------------------------------------------------------------------------- */
 
-/* While it waits for a whole step, whoever is not in the lock step waits for at most so long. */
+/* While it waits for a whole step, a process outside the lock step waits for at most so long. */
 static const int64_t OUTSIDE_PATIENCE_NS = 2000000;
 
 static int64_t wait_ns(const struct node *p, bool impatient)
@@ -207,8 +207,8 @@ static int64_t wait_ns(const struct node *p, bool impatient)
     return (int64_t)(until_ns < most_ns ? until_ns : most_ns);
 }
 
-/* A step that does not come for so long is paced, or somebody is slow: then whoever comes next is
- * heard at once. */
+/* A step that does not come for so long is paced, or a process is slow: then the next one that
+ * speaks is heard at once. */
 static void samples_await(struct node *p, bool impatient)
 {
     uint64_t wanted = broker_samples_wanted(p->broker);
@@ -221,7 +221,7 @@ static void samples_await(struct node *p, bool impatient)
     (broker_in_lockstep(p->broker) ? bus_wait : bus_wait_awake)(&p->bus, 1, most_ns);
 }
 
-/* What must be on disk before anybody is told. */
+/* What must be on disk before any process is told. */
 static void store_write(struct node *p)
 {
     muster_Level level;
@@ -256,7 +256,7 @@ static void post_round(struct node *p)
     samples_await(p, impatient);
 }
 
-/* Nobody is answered while another broker of this name may be there. */
+/* No process is answered while another broker of this name may be there. */
 static void doubt_settle(struct node *p, bool is_lone)
 {
     struct beacon *h = &p->herald;

@@ -83,8 +83,8 @@ uint64_t clock_stamp_ns(const struct clock *c);
 /* --- changelog.c ----------------------------------------------------------------------------- */
 
 /*
- * The lines of a table in order of their last change: who remembers the version that it has had
- * finds what is new to it without looking at the rest.
+ * The lines of a table in order of their last change: a reader that remembers the version that it
+ * has had finds what is new to it without looking at the rest.
  */
 
 struct change {
@@ -124,11 +124,11 @@ uint32_t changelog_next(const struct changelog *c, uint32_t line);
 /* --- limiter.c ------------------------------------------------------------------------------- */
 
 /*
- * Slows down who presses: a sender whose mail does not get through is told so at once, and then at
- * most every LIMITER_PAUSE_NS.
+ * Slows down senders that press: a sender whose mail does not get through is told so at once, and
+ * then at most every LIMITER_PAUSE_NS.
  *
  * A sender has a bounded number of mails without an answer, so that the pause bounds its rate.
- * Nobody else waits for anything.
+ * No other sender waits for anything.
  */
 
 enum { LIMITER_PAUSE_NS = 100000000 };
@@ -160,7 +160,7 @@ uint64_t limiter_deadline_ns(const struct limiter *p);
 /* --- alerts.c -------------------------------------------------------------------------------- */
 
 /*
- * What goes wrong with mail, for whoever looks: told soon, and not more often than is useful.
+ * What goes wrong with mail, for watchers: told soon, and not more often than is useful.
  *
  * Events of one kind at one agent are counted together until they are told, and all that there
  * are are told at most every EVENTS_PAUSE_NS.
@@ -235,11 +235,11 @@ const char *validate_state_word(muster_State state);
  *
  * The rule is the dynamic threshold of A. K. Choudhury and E. L. Hahne, "Dynamic queue length
  * thresholds for shared-memory packet switches", IEEE/ACM Transactions on Networking 6(2), 1998,
- * with a factor of 1: whoever holds something may hold as much as is left free.  So a lone sender
- * gets one half, two get a third each, and there is always room for one who has nothing yet.
+ * with a factor of 1: a holder may hold as much as is left free.  So a lone sender
+ * gets one half, two get a third each, and there is always room for one that has nothing yet.
  */
 
-/* What somebody holds, or wants to. */
+/* What a sender holds, or wants to. */
 struct quota_use {
     uint32_t mails;
     uint32_t bytes; /* of the store */
@@ -367,7 +367,7 @@ struct mail {
     uint32_t sender;              /* an index of the registry */
     uint32_t only;        /* its one receiver, by another broker's word; MU_NONE: as dst says */
     uint32_t kept_for;    /* the one that a lock step keeps it for; MU_NONE: for many, or unknown */
-    uint32_t payer;       /* whose share it takes: the sender's, or who asked for it */
+    uint32_t payer;       /* whose share it takes: the sender's, or the asker's */
     struct mu_list posts; /* its places in boxes */
     uint32_t unsettled;   /* receivers that have neither acknowledged it nor let it expire */
     uint32_t veiled;      /* of them, outside a lock step that the sender is in */
@@ -416,16 +416,17 @@ void pool_keep(struct mail *m);
 /** Ends one use; the last one frees the mail. */
 void pool_release(struct pool *s, struct mail *m);
 
-/** @return the text, for a member of a sample: idlc makes none const, and nobody writes there */
+/** @return the text, for a member of a sample: idlc makes none const, and nothing is written there
+ */
 static inline char *sample_text(const char *text)
 {
     return (char *)(uintptr_t)text;
 }
 
 /**
- * How it stands with a mail that somebody still waits for, for the store.
+ * How it stands with a mail that a process still waits for, for the store.
  *
- * @return what its sender was told for good, or what he will be told; "" for nothing yet
+ * @return what its sender was told for good, or what it will be told; "" for nothing yet
  */
 const char *pool_mail_standing(const struct mail *m);
 
@@ -559,8 +560,8 @@ struct mailbox {
 
 void mailbox_init(struct mailbox *m, uint32_t agents);
 
-/** @return the box of an agent; it begins if it has not, which is for who puts mail into it alone:
- *          another broker is told where (names_tell_number) */
+/** @return the box of an agent; it begins if it has not, which is only for code that puts mail into
+ * it: another broker is told where (names_tell_number) */
 struct box *mailbox_box(struct mailbox *m, uint32_t agent);
 
 /** An agent's name ends, whose box is empty.  Boxes that begin later count from beyond its numbers:
@@ -665,8 +666,8 @@ void mailbox_unwatch(struct mailbox *m, uint32_t agent);
  * Whether a box has room for a mail, and what has to go if not.
  *
  * A sender has a fair share of each box (quota.h).  Where the box drops mail when it is full,
- * whoever is over its share makes room with its own mail, so that a flood costs nobody else
- * anything; only a box that is full of fair shares drops the mail of others.
+ * a sender over its share makes room with its own mail, so that a flood costs other senders
+ * nothing; only a box that is full of fair shares drops the mail of others.
  *
  * Only ordinary mail that waits is dropped: never what is in flight, held for a time, or a
  * directive.
@@ -712,8 +713,8 @@ void receipts_init(struct receipts *r, uint32_t agents);
 /**
  * Adds an outcome; it joins the sender's last one if that is its neighbour and the same.
  *
- * Where there is no room a receipt is lost, and counted: the sender's oldest, or this one.  Who
- * waits for it sends its mail again, and is told then.
+ * Where there is no room a receipt is lost, and counted: the sender's oldest, or this one. A sender
+ * that waits for it sends its mail again, and is told then.
  */
 void receipts_add(struct receipts *r, uint32_t agent, uint64_t first_seq, uint64_t last_seq,
                   muster_Outcome result);

@@ -90,7 +90,7 @@ static void queue_remove(struct mailbox *m, struct post_queue *q, uint32_t post,
     q->bytes -= m->posts[post].mail->bytes;
 }
 
-/* @return the sender's part of the queue that the post stands in, or NULL: nobody asks for it */
+/* @return the sender's part of the queue that the post stands in, or NULL: it is not asked for */
 static struct post_queue *pair_queue(struct mailbox *m, uint32_t post)
 {
     const struct post *p = &m->posts[post];

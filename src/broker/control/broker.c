@@ -12,8 +12,8 @@
 static const uint64_t RESEND_AFTER_NS = 1000000000;
 static const uint64_t HOLD_NS = 1500000000;
 
-/* The broker's own lines of the white pages: itself, and its parts, whom those in a lock step are
- * not shown. */
+/* The broker's own lines of the white pages: itself, and its parts, which members of a lock step
+ * are not shown. */
 static void broker_enlist(struct broker *b, const struct broker_options *options)
 {
     struct presence is = {
@@ -220,7 +220,7 @@ static void act_take(struct broker *b, uint32_t place, const muster_Act *act,
 {
     uint32_t agent = agent_at(b, place, act->agent);
     if (agent == MU_NONE) {
-        b->counters.malformed += act->mails._length; /* in the name of somebody else */
+        b->counters.malformed += act->mails._length; /* in the name of another agent */
         return;
     }
     if (effect == STEPS_INSIDE) {
@@ -259,7 +259,7 @@ static void ack_take(struct broker *b, uint32_t place, const muster_Ack *ack)
 }
 
 /* Each life without a store counts its boxes from 1.  What was said to an earlier one would end
- * mail that nobody has had yet; of what has come from this one, its receiver will say so. */
+ * mail that was not received yet; of what has come from this one, its receiver will say so. */
 static void acks_take(struct broker *b, uint32_t place, const muster_Up *up)
 {
     if (up->broker_incarnation != b->incarnation) {

@@ -39,7 +39,7 @@ struct broker_options {
     muster_BoxPolicy box_policy;   /* of boxes whose agents ask for nothing else */
     uint32_t box_mails;            /* MU_BOX_MAX when 0 */
     uint32_t box_bytes;            /* MU_BOX_BYTES_MAX when 0 */
-    bool has_store;                /* somebody writes the journal (journal.h) to a disk */
+    bool has_store;                /* the journal (journal.h) is written to a disk */
     uint64_t number_base; /* boxes count from here: above all that an earlier life gave out */
 };
 
@@ -50,8 +50,8 @@ struct broker *broker_open(const struct broker_options *options);
 void broker_registration(struct broker *b, const muster_Registration *r, uint64_t now_ns);
 
 /**
- * A part of a process's registration ended: the process took it back (crashed false), or nobody
- * writes it any more (crashed true), and that goes for the whole process.
+ * A part of a process's registration ended: the process took it back (crashed false), or it is not
+ * written any more (crashed true), and that goes for the whole process.
  */
 void broker_gone(struct broker *b, const char *process, uint32_t part, bool crashed,
                  uint64_t now_ns);
@@ -63,7 +63,7 @@ void broker_gone(struct broker *b, const char *process, uint32_t part, bool cras
  */
 void broker_matched(struct broker *b, const char *process, bool matched, uint64_t now_ns);
 
-/** Somebody more reads what goes to a process; if that is a broker, another life of it: what it
+/** One more reader has what goes to a process; if that is a broker, another life of it: what it
  * knows of boxes, groups and services is said once more, and what it has not acknowledged. */
 void broker_read_anew(struct broker *b, const char *process);
 

@@ -28,7 +28,7 @@ static void mails_committed(struct broker *b)
     j->first = j->last = NULL;
 }
 
-/* @return whether somebody may have it already: that is not to be undone */
+/* @return whether a receiver may have it already: that is not to be undone */
 static bool mail_is_out(const struct broker *b, const struct mail *m)
 {
     uint32_t post = mu_list_first(&m->posts);
@@ -181,7 +181,7 @@ static uint32_t agent_named(struct broker *b, const char *name)
     return agent;
 }
 
-/* Those whom a mail waits for come out of the graveyard. */
+/* Agents that a mail waits for come out of the graveyard. */
 static void agents_named(struct broker *b, const char *names)
 {
     char name[MU_NAME_MAX + 1];

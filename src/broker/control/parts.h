@@ -6,12 +6,12 @@
  *   node        the process: DDS, the store, files
  *   control     the pure broker from outside; the end of a step; what the disk answers
  *   membership  names come, move and go; the other brokers
- *   services    what the broker answers by mail, who is told of changes, the way of one mail
+ *   services    what the broker answers by mail, news of changes, the way of one mail
  *   delivery    what is ready for a process, as one Delivery
  *   mail        receivers, quota, boxes, outcomes; snapshots and probes; the journal
  *   directory   groups, services, standing queries; the trust policy and its audit log
  *   lockstep    the barrier
- *   names       who bears a name, in which process, beyond which broker
+ *   names       names and their bearers, in which process, beyond which broker
  *   base        time, versions, limits, the rules of the wire, the pool of mails, boxes
  */
 #ifndef MUSTER_BROKER_PARTS_H
@@ -51,7 +51,7 @@ struct broker {
     struct pool pool;
     struct quota_accounts quotas; /* of the store */
     struct timers due, expiry;
-    struct timers replays; /* mails of a recording, which nobody has been told of yet */
+    struct timers replays; /* mails of a recording, which were told to no process yet */
     struct mailbox mailbox;
     struct receipts receipts;
     struct steps steps;

@@ -186,7 +186,7 @@ static void place_enter(struct broker *b, uint32_t place)
     }
 }
 
-/* The lock step lets go of a process; it has what it owes, or nobody wants that any more. */
+/* The lock step lets go of a process; it has what it owes, or that is not wanted any more. */
 static void place_leave(struct broker *b, uint32_t place)
 {
     struct process *at = &b->processes.at[place];
@@ -201,7 +201,7 @@ static void place_leave(struct broker *b, uint32_t place)
          agent = residents_next(&b->registry, &b->processes, agent)) {
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
         residents_wake(&b->registry, &b->processes, agent);
-        if (clock_by_steps(&b->clock)) { /* those who stay are not shown its services any more */
+        if (clock_by_steps(&b->clock)) { /* members that stay are not shown its services any more */
             notify_presence(b, agent);
         }
     }
@@ -294,7 +294,7 @@ static void roster_grow(struct broker *b, const muster_Roster *roster, bool in_m
     }
 }
 
-/* Whoever's mail waited for a process that was to come gets it. */
+/* Agents whose mail waited for a process that was to come get it. */
 static void lockstep_hold(struct broker *b, bool held)
 {
     bool ends = b->steps.held && !held;

@@ -21,10 +21,10 @@ struct broker;
 /*
  * Mail for many processes goes out once for all of them: one sample instead of one for each.
  *
- * A multicast has mails that are next in the box of everybody whom it names.  Whoever has something
- * else to be told before, whose mail is kept on a disk, or who is in a lock step gets a Delivery of
- * its own.  Those whom it does not concern hear it, too, so that there are no more of them than of
- * the others.
+ * A multicast has mails that are next in the box of every agent that it names. A process gets a
+ * Delivery of its own if it has something else to be told before, if its mail is kept on a disk, or
+ * if it is in a lock step. Processes that it does not concern hear it, too, so that there are no
+ * more of them than of the others.
  */
 
 enum {
@@ -57,7 +57,7 @@ struct multicast {
 /** A place hears multicasts from now on (true), or no longer. */
 void multicast_hears(struct broker *b, uint32_t place, bool hears);
 
-/** So many processes read what goes to all, whoever their broker is. */
+/** So many processes read what goes to all, at any broker. */
 void multicast_read_by(struct broker *b, uint32_t readers);
 
 /**
@@ -81,28 +81,31 @@ void multicast_note(struct broker *b, struct mail *m);
 /*
  * Mail that pours into a process does not disturb the others.
  *
- * Sender, broker and receiver of a flood want more processors than there are, and whoever exchanges
- * a mail now and then waits for his turn.  So, while anybody but these two has mail under way, a
+ * Sender, broker and receiver of a flood want more processors than there are, and a process that
+ * exchanges a mail now and then waits for its turn. So, while any process but these two has mail
+ * under way, a
  * process that gets many mails at once is handed PACING_MAILS every PACING_PAUSE_NS at most.  The
- * others wait in its boxes, and with them their sender, who has a bounded number of mails without
- * an answer.  Where nobody else is, nothing is held, nor what other brokers get, who serve many.
+ * others wait in its boxes, and with them their sender, which has a bounded number of mails without
+ * an answer. Where there is no other process, nothing is held, nor what other brokers get, which
+ * serve many.
  */
 
 enum {
     PACING_MANY = 16, /* mails in one Delivery that make a flood */
     PACING_MAILS = 64,
     PACING_PAUSE_NS = 1000000,
-    PACING_QUIET_NS = 20000000, /* who has sent nothing for so long has no mail under way */
-    PACING_SPEAKERS = 3,        /* at both ends of a flood, and one more */
+    PACING_QUIET_NS =
+        20000000,        /* a process that has sent nothing for so long has no mail under way */
+    PACING_SPEAKERS = 3, /* at both ends of a flood, and one more */
 };
 
 struct pacing_speaker {
     uint32_t place;
-    uint64_t spoke_ns; /* 0: nobody has */
+    uint64_t spoke_ns; /* 0: none has */
 };
 
 struct pacing {
-    struct pacing_speaker speakers[PACING_SPEAKERS]; /* each once, who sent last first */
+    struct pacing_speaker speakers[PACING_SPEAKERS]; /* each once, the last sender first */
     uint32_t ring[MU_PROCESSES_MAX];                 /* places that are held, each once */
     uint32_t head, count;
 };
@@ -119,7 +122,7 @@ bool pacing_hold(struct broker *b, uint32_t place);
 /** So many mails have gone out to a place; from: where the last of them came from, or MU_NONE */
 void pacing_note_delivery(struct broker *b, uint32_t place, uint32_t mails, uint32_t from);
 
-/** Wakes those who were held long enough. */
+/** Wakes processes that were held long enough. */
 void pacing_tick(struct broker *b);
 
 /** @return when pacing_tick is needed next, or UINT64_MAX */
@@ -133,11 +136,11 @@ bool compose_is_awake(const struct broker *b);
 /** @return whether there is anything to say */
 bool compose_fill(struct broker *b, uint32_t place, muster_Delivery *d);
 
-/** Nor does who only looks, and what he sees. */
+/** Nor does a process that only looks, and what it sees. */
 bool compose_fill_glance(struct broker *b, uint32_t place, muster_Delivery *d);
 
-/** Those who had no room are first in the queue of the next Delivery; who had something may have
- * more. */
+/** Agents that had no room are first in the queue of the next Delivery; one that had something may
+ * have more. */
 void compose_return(struct broker *b, bool taken);
 
 void compose_return_passed_by(struct broker *b);

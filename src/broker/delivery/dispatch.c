@@ -81,7 +81,7 @@ static void dispatch_wake(struct broker *b)
     c->held = 0;
 }
 
-/* All who may be served have been. */
+/* All that may be served have been. */
 static void dispatch_sleep(struct broker *b)
 {
     struct dispatch *c = &b->dispatch;
@@ -131,7 +131,7 @@ bool dispatch_next(struct broker *b, const char **process, muster_Delivery *d)
             *process = at->name;
             return true;
         }
-        compose_return_passed_by(b); /* behind whoever is urgent, or until the dispatcher wakes */
+        compose_return_passed_by(b); /* behind urgent ones, or until the dispatcher wakes */
         if (b->dispatch.parts_count == DISPATCH_AGENTS) {
             processes_wake(&b->processes, place); /* more of them have not been looked at */
         }

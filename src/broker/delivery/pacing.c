@@ -16,7 +16,7 @@ void pacing_note_speaker(struct broker *b, uint32_t place)
     s[0] = (struct pacing_speaker){.place = place, .spoke_ns = b->clock.now_ns};
 }
 
-/* @return whether anybody but the two ends of a flood has mail under way */
+/* @return whether any process but the two ends of a flood has mail under way */
 static bool disturbs(const struct broker *b, uint32_t place)
 {
     bool found = false;

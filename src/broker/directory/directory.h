@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file directory.h
- * Groups, services and standing queries, who is shown them, and who may direct whom.
+ * Groups, services and standing queries, which processes are shown them, and which agents may
+ * direct which.
  */
 #ifndef MUSTER_BROKER_DIRECTORY_H
 #define MUSTER_BROKER_DIRECTORY_H
@@ -22,15 +23,16 @@ struct broker;
 /* --- lines.c --------------------------------------------------------------------------------- */
 
 /*
- * A bounded table of lines, each of which somebody has said of a key and an agent: that an agent is
- * a member of a group, that a group is there ("" for the agent), that an agent offers a service.
+ * A bounded table of lines, each of which an agent or a broker has said of a key and an agent: that
+ * an agent is a member of a group, that a group is there ("" for the agent), that an agent offers a
+ * service.
  *
  * The youngest word counts, by stamp, then by the broker's name: lines of several brokers can be
  * merged in any order.  A line that says "no longer" stays, so that older word is known to be
  * older and every process is told, until the table needs its place.
  *
- * Every change moves its line to the end of `changes`: that is where whoever keeps lines elsewhere
- * (processes, a disk, other brokers) finds what is new, each by the version that it has had.
+ * Every change moves its line to the end of `changes`: that is where the keepers of lines elsewhere
+ * (processes, a disk, other brokers) find what is new, each by the version that it has had.
  *
  * In lock step there are two views of groups.  What takes effect at the end of a step is seen by
  * all; what is said by the wall clock, outside the run, is not seen inside, where each line stays
@@ -39,7 +41,7 @@ struct broker;
 
 enum lines_kind { LINES_GROUPS, LINES_SERVICES, LINES_KINDS };
 
-/* When something was said, and to whom. */
+/* When something was said, and its receiver. */
 struct said {
     uint64_t stamp_ns;  /* nanoseconds since 1970; in lock step, of the run */
     const char *origin; /* the broker; at most MU_NAME_MAX bytes */
@@ -79,13 +81,13 @@ struct lines {
     struct mu_pairs by_agent;  /* (agent, key) */
     uint32_t *line_of;         /* by index of by_agent */
     struct changelog changes;
-    struct subscriptions *told_to; /* who has been told of lines; NULL: nobody */
+    struct subscriptions *told_to; /* processes that have been told of lines; NULL: none */
     uint32_t keys, keys_max;       /* keys that have lines */
     uint32_t keys_now, now;        /* own lines of groups, and others, that hold outside */
     uint64_t soonest_ns;           /* no lease ends before this */
-    uint64_t told; /* everybody has had the changes up to this version: see lines_full */
-    uint64_t seen; /* the version that everybody was woken for */
-    uint64_t open; /* the version that the open Delivery leads to */
+    uint64_t told;                 /* all have had the changes up to this version: see lines_full */
+    uint64_t seen;                 /* the version that all were woken for */
+    uint64_t open;                 /* the version that the open Delivery leads to */
 };
 
 /** @return how many lines a table of that kind has room for */
@@ -122,7 +124,7 @@ struct line_word lines_word(const struct lines *l, uint32_t line, bool inside);
 
 /* --- groups.c -------------------------------------------------------------------------------- */
 
-/* Who is a member of what. */
+/* The members of groups. */
 
 /* Changes.  Names are checked here.  @return NULL, or why not: one word */
 
@@ -179,15 +181,16 @@ const char *services_withdraw(struct lines *s, const char *service, const char *
 /** Ends the leases that are over. */
 void services_expire(struct lines *s, uint64_t mail_ns);
 
-/** Something else about an agent has changed: its lines are news to everybody. */
+/** Something else about an agent has changed: its lines are news to all. */
 void services_touch(struct lines *s, const char *agent);
 
 /* --- subscriptions.c ------------------------------------------------------------------------- */
 
 /*
- * Standing queries on services: who asked what, and which lines he has been told of.
+ * Standing queries on services: the subscriber, the question, and the lines that it has been told
+ * of.
  *
- * What a subscriber is told is the difference between what he has been told and what he would find
+ * What a subscriber is told is the difference between what it has been told and what it would find
  * now; so nothing is said twice, whatever it was that changed.
  */
 
@@ -197,10 +200,10 @@ enum { SUBSCRIPTIONS_WORDS = (MU_SERVICES_MAX + 63) / 64 };
 struct subscription {
     char agent[MU_NAME_MAX + 1];
     char text[MU_QUERY_MAX + 1];
-    char in_reply_to[MU_FIELD_MAX + 1], conversation[MU_FIELD_MAX + 1]; /* of what he is sent */
+    char in_reply_to[MU_FIELD_MAX + 1], conversation[MU_FIELD_MAX + 1]; /* of what it is sent */
     struct mu_query query;
-    uint64_t told[SUBSCRIPTIONS_WORDS]; /* lines that he knows of */
-    uint64_t owed[SUBSCRIPTIONS_WORDS]; /* gone from his sight without a word */
+    uint64_t told[SUBSCRIPTIONS_WORDS]; /* lines that it knows of */
+    uint64_t owed[SUBSCRIPTIONS_WORDS]; /* gone from its sight without a word */
 };
 
 struct subscriptions {
@@ -226,10 +229,10 @@ void subscriptions_remove(struct subscriptions *s, uint32_t index);
 /** Notes whether a line is found now.  @return whether that is news */
 bool subscriptions_note(struct subscription *s, uint32_t line, bool found);
 
-/** Notes whether he is owed a word about a line.  @return whether he was */
+/** Notes whether it is owed a word about a line. @return whether it was */
 bool subscriptions_owe(struct subscription *s, uint32_t line, bool owed);
 
-/** Notes the lines that somebody was told are found, and has not heard otherwise of since. */
+/** Notes the lines that a subscriber was told are found, and has not heard otherwise of since. */
 void subscriptions_rest(const struct subscriptions *s, uint64_t lines[SUBSCRIPTIONS_WORDS]);
 
 /** A line of the services is no more; another one will have its index. */
@@ -238,7 +241,7 @@ void subscriptions_forget(struct subscriptions *s, uint32_t line);
 /* --- view.c ---------------------------------------------------------------------------------- */
 
 /*
- * Groups and services among the other parts of the broker: who is shown what, and who is told.
+ * Groups and services among the other parts of the broker: what each process is shown, and told.
  *
  * A service is shown while its agent is not absent and its lease is not over.  To members of a lock
  * step only services of members are shown, and groups as lines.c says: what others do by the wall
@@ -281,7 +284,8 @@ void view_fill(struct broker *b, const struct process *at, muster_Delivery *d);
 /** @return whether there is nothing of it that a place has not been told */
 bool view_has_told(const struct broker *b, const struct process *at);
 
-/** @return the lease of a line as others are to have it, who count it from its stamp by the wall */
+/** @return the lease of a line as others are to have it, which count it from its stamp by the wall
+ */
 uint64_t view_lease_ns(const struct broker *b, uint32_t line);
 
 /** The Delivery has gone out. */
@@ -289,10 +293,10 @@ void view_delivered(struct broker *b, struct process *at);
 
 bool view_place_is_told(const struct process *at);
 
-/** @return whether there is somebody to ask about an address SCHEME:REST */
+/** @return whether there is an agent to ask about an address SCHEME:REST */
 bool view_has_resolver(const struct broker *b, const char *dst);
 
-/** @return who resolves an address, or MU_NONE */
+/** @return the resolver of an address, or MU_NONE */
 uint32_t view_resolver(const struct broker *b, const char *dst);
 
 /* --- trust.c --------------------------------------------------------------------------------- */
@@ -365,20 +369,20 @@ void trust_init(struct trust *t);
 MU_MUST_USE mu_result trust_read(struct trust *t, const char *text, const char *file,
                                  struct mu_fault *fault);
 
-/** @return whether a directive of who to whom is carried out */
+/** @return whether a directive of `who` to `whom` is carried out */
 bool trust_allows(const struct trust *t, const struct trust_agent *who,
                   const struct trust_agent *whom);
 
-/** @return whether some line lets who direct somebody: for a directive that nobody is there for */
+/** @return whether some line lets the agent direct any: for a directive without a receiver */
 bool trust_allows_some(const struct trust *t, const struct trust_agent *who);
 
 /* --- audit.c --------------------------------------------------------------------------------- */
 
 /*
- * The audit: a record of every directive, carried out or refused, until somebody writes it down.
+ * The audit: a record of every directive, carried out or refused, until it is written down.
  *
- * A directive to several receivers makes at most two records: one of those who get it, one of those
- * for whom it is refused.
+ * A directive to several receivers makes at most two records: one of the agents that get it, one of
+ * the agents that it is refused for.
  */
 
 enum { AUDIT_TEXT_MAX = 200, AUDIT_LINE_MAX = 4096 };
@@ -389,7 +393,7 @@ struct audit_record {
     char sender[MU_NAME_MAX + 1];
     char process[MU_PROCESS_MAX + 1];
     char receiver[AUDIT_TEXT_MAX + 1]; /* names joined by commas, cut */
-    uint32_t receivers;                /* how many; 0: the address fits nobody */
+    uint32_t receivers;                /* how many; 0: the address fits none */
     char performative[MU_FIELD_MAX + 1];
     char line[AUDIT_TEXT_MAX + 1]; /* the directive's content, cut */
     bool allowed;
@@ -399,14 +403,14 @@ struct audit {
     struct audit_record *ring; /* MU_AUDIT_MAX of them; NULL: nothing is recorded */
     uint32_t head, count;
     uint64_t recorded;
-    uint64_t lost;   /* for want of room: nobody took the earlier ones */
+    uint64_t lost;   /* for want of room: the earlier ones were not taken */
     uint64_t failed; /* that could not be written */
 };
 
 /** Takes the ring's memory, if anything is to be recorded. */
 void audit_init(struct audit *a, bool record);
 
-/** Makes room for one record.  @return the record, zeroed; NULL: nobody wants it, or it is lost */
+/** Makes room for one record.  @return the record, zeroed; NULL: it is not wanted, or it is lost */
 struct audit_record *audit_add(struct audit *a);
 
 /** Adds a receiver's name to a record. */
@@ -420,26 +424,26 @@ size_t audit_line(const struct audit_record *r, char line[AUDIT_LINE_MAX]);
 
 /* --- guard.c --------------------------------------------------------------------------------- */
 
-/* Whose directives go on to whom: asks the policy, counts, and keeps the audit. */
+/* Directives that may go on: asks the policy, counts, and keeps the audit. */
 
 /**
- * Takes those out of a directive's receivers whom its sender may not direct.
+ * Takes the agents that its sender may not direct out of a directive's receivers.
  *
- * @param agents  whom it is for, count of them; those that stay keep their order
- * @return for how many it is refused; 1 when it is for nobody, and its sender may direct nobody
+ * @param agents its receivers, count of them; those that stay keep their order
+ * @return for how many it is refused; 1 when it has no receiver, and its sender may direct none
  */
 uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, uint32_t *count);
 
 /**
- * Asks whether the sender of a mail may speak in another agent's name: whom the policy lets direct
- * it may, and whoever lives in the same process.
+ * Asks whether the sender of a mail may speak in another agent's name: an agent that may direct it
+ * may, and one in the same process.
  *
- * @param agent  MU_NONE: nobody whom the sender could know, who bears the name in receiver
+ * @param agent  MU_NONE: none that the sender could know, with the name in receiver
  */
 bool guard_speaks(struct broker *b, const struct mail *m, uint32_t agent, const char *receiver);
 
 /**
- * Asks whether an agent may look at another one's mind: whom it may direct it may look at.
+ * Asks whether an agent may look at another one's mind: an agent that it may direct it may look at.
  *
  * @return false: nothing is counted or audited yet
  */

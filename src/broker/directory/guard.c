@@ -33,7 +33,7 @@ static struct trust_agent who_asks(struct broker *b, const struct mail *m)
     return (struct trust_agent){m->letter.src, b->registry.agents[m->sender].is.kind};
 }
 
-/* It is for nobody who is there; who may direct nobody is not told so. */
+/* It has no receiver that is there; a sender that may direct none is not told so. */
 static uint32_t sift_nobody(struct broker *b, const struct mail *m, const struct trust_agent *who)
 {
     bool allowed = trust_allows_some(&b->trust, who);
@@ -115,7 +115,7 @@ uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, ui
     return numbers[false];
 }
 
-/* Whoever is in a lock step is seen as those inside see it, and so is everybody by them. */
+/* A member of a lock step is seen as other members see it, and so are all agents by it. */
 static bool is_asked_inside(const struct broker *b, uint32_t agent)
 {
     return b->pages.asked_inside || view_inside(b, agent);

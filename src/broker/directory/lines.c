@@ -51,7 +51,7 @@ static void line_forget(struct lines *l, uint32_t line)
     l->keys -= !key_has_lines(l, key);
 }
 
-/* A line that says nothing any more, and that everybody has been told of. */
+/* A line that says nothing any more, and that all have been told of. */
 static bool line_is_spare(const struct lines *l, uint32_t line)
 {
     const struct line *at = &l->at[line];

@@ -154,7 +154,7 @@ mu_result trust_read(struct trust *t, const char *text, const char *file, struct
 
 /* --- deciding --------------------------------------------------------------------------------- */
 
-/* Consoles are the operator under further names, each as special as he is. */
+/* Consoles are the operator under further names, each as special as it is. */
 static bool party_is_named(const struct trust_party *p, const struct trust_agent *a)
 {
     bool operates = strcmp(p->name, "operator") == 0 && a->kind == muster_KIND_SPECIAL &&

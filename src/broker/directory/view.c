@@ -119,7 +119,7 @@ static void offers_fill(struct broker *b, const struct process *at, muster_Deliv
     uint32_t max = inside ? MU_SERVICES_MAX : PAGES_OFFERS;
     for (uint32_t line = changelog_after(&s->changes, at->services_had);
          line != MU_NONE && d->offers._length < max; line = changelog_next(&s->changes, line)) {
-        /* Another broker sees for itself whom it shows. */
+        /* Another broker sees for itself what it shows. */
         struct line_word w = lines_word(s, line, inside);
         d->offers._buffer[d->offers._length++] =
             (muster_Offer){.service = sample_text(w.key),
@@ -174,7 +174,7 @@ uint32_t view_resolver(const struct broker *b, const char *dst)
     uint32_t place = mu_pairs_start(pairs, "resolver"), line;
     while ((line = mu_pairs_of(pairs, place++, "resolver")) != MU_NONE) {
         uint32_t agent = registry_find(&b->registry, mu_pairs_second(pairs, line));
-        /* Who lives at another broker answers to that one. */
+        /* An agent of another broker answers to that one. */
         if (agent != MU_NONE && b->registry.agents[agent].is.home[0] == '\0' &&
             mu_attributes_match(&query, "resolver", s->offers[line].attributes) &&
             view_shows(b, line, clock_by_steps(&b->clock))) {

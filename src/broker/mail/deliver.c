@@ -79,8 +79,8 @@ static void deliver_schedule(struct broker *b, struct mail *m, bool held, uint64
     }
 }
 
-/* What its sender is told at once.  fits: into each box that he may know of; stored: some of them
- * are for those who do not take mail now */
+/* What its sender is told at once.  fits: into each box that it may know of; stored: some of them
+ * are for agents that do not take mail now */
 static void sender_answer(struct broker *b, struct mail *m, const struct recipients *to, bool fits,
                           bool stored)
 {
@@ -152,7 +152,7 @@ void deliver_send(struct broker *b, uint32_t receiver, const muster_Mail *letter
         return;
     }
     m->sender = REGISTRY_BROKER;
-    m->payer = receiver; /* who asks much must not use up what answers to others need */
+    m->payer = receiver; /* an agent that asks much must not use up what answers to others need */
     m->order = ++b->orders;
     if (deliver_book(b, m, &to)) {
         struct delivered done = deliver_put(b, m, &to);

@@ -182,7 +182,7 @@ void journal_failed(struct broker *b, uint32_t sender, const muster_Mail *letter
         return;
     }
     a->failed_seq = letter->seq;
-    if (letter->seq <= a->durable_seq) { /* else nobody asks before one has gone to the store */
+    if (letter->seq <= a->durable_seq) { /* else none is asked before one has gone to the store */
         agent_mark(b, sender);
     }
 }

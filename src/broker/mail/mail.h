@@ -19,7 +19,7 @@ struct broker;
  * Snapshots of agents that are on their way, and the words about them.
  *
  * A snapshot is kept from the moment at which its source hands it in until the agent lives at
- * another process, or has set out anew, or stayed.  As long as nobody bears the name, whoever
+ * another process, or has set out anew, or stayed.  As long as no agent has the name, a host that
  * restores agents may ask for it.  docs/mobility.md has the order of events.
  *
  * In lock step the snapshot store holds the step while a snapshot is under way, and seats the agent
@@ -33,14 +33,15 @@ enum snapshot_phase {
     SNAPSHOT_FREE,
     SNAPSHOT_STEP, /* it came in a step that has not ended */
     SNAPSHOT_SENT, /* its host has it, or is about to, and has said nothing */
-    SNAPSHOT_KEPT  /* nothing is awaited of anybody */
+    SNAPSHOT_KEPT  /* nothing is awaited */
 };
 
 struct snapshot {
     enum snapshot_phase phase;
     char name[MU_NAME_MAX + 1];
-    uint32_t agent;     /* of that name; MU_NONE: it is new */
-    uint32_t asker;     /* who wants the journey: the agent itself, or who asks for a new one */
+    uint32_t agent; /* of that name; MU_NONE: it is new */
+    uint32_t
+        asker; /* the agent that wants the journey: itself, or the one that asks for a new one */
     muster_State state; /* that it has there */
     uint64_t epoch;
     char home[MU_PROCESS_MAX + 1]; /* the process that it set out from, dead or alive */
@@ -83,7 +84,7 @@ void snapshots_init(struct snapshots *d);
 void snapshots_process_gone(struct broker *b, uint32_t place);
 
 /** An agent was seated, or said something of itself: its snapshot may be of no use any more.  That
- * of one whom a lock step has seated is kept until it has answered a step. */
+ * of one that a lock step has seated is kept until it has answered a step. */
 void snapshots_review(struct broker *b, uint32_t agent);
 
 /** An agent has answered a step, or acknowledged mail, from this process: if it has come there, it
@@ -100,7 +101,7 @@ bool snapshots_overrule(const struct broker *b, uint32_t agent, uint32_t place,
 /** @return whether a copy of an agent is kept here */
 bool snapshots_keep(const struct broker *b, uint32_t agent);
 
-/** @return whether a later copy of an agent that nobody has is kept here */
+/** @return whether a later copy of an agent that no process has is kept here */
 bool snapshots_have_later(const struct broker *b, uint32_t agent, uint64_t epoch);
 
 /** @return when transfer_tick is needed next, or UINT64_MAX */
@@ -129,7 +130,7 @@ struct snapshot *snapshots_add(struct broker *b, uint32_t agent, const char *nam
                                const char *text);
 
 /** It stays where it is, which the source hears; the snapshot is kept until the source has said
- * that it goes on.  Nobody takes back who is new. */
+ * that it goes on.  No process takes back a new agent. */
 void snapshots_refuse(struct broker *b, struct snapshot *c, const char *reason);
 
 void snapshots_send(struct broker *b, struct snapshot *c);
@@ -141,7 +142,8 @@ void snapshots_refuse_copy(struct broker *b, uint32_t place, const char *name, u
 void snapshots_tell(struct broker *b, const struct snapshot *c, uint32_t place, muster_TripWord say,
                     const char *reason);
 
-/** A word to nobody, or one too many, is lost; whoever waits for it has a time limit. */
+/** A word without a receiver, or one too many, is lost; a process that waits for it has a time
+ * limit. */
 void snapshots_say(struct broker *b, const struct snapshot_word *word);
 
 /* --- probes.c -------------------------------------------------------------------------------- */
@@ -151,8 +153,8 @@ void snapshots_say(struct broker *b, const struct snapshot_word *word);
  * step.
  *
  * A probe is known by its asker and the asker's number.  It is kept from the question until its
- * answer is out, and every question is answered, but for words that there is no room for: where
- * nobody can look, or may, it is declined, and the asker sends the line as a directive, which says
+ * answer is out, and every question is answered, but for words that there is no room for: where no
+ * agent can look, or may, it is declined, and the asker sends the line as a directive, which says
  * why it is refused.
  */
 
@@ -163,7 +165,7 @@ struct probe {
     bool used;
     uint32_t asker, agent;
     uint64_t number;
-    uint32_t from, to; /* places: the asker's, and of whom is asked; MU_NONE: answered */
+    uint32_t from, to; /* places: of the asker, and of the agent that is asked; MU_NONE: answered */
     char *text;        /* MU_GLANCE_BYTES_MAX: the line, then what it showed */
 };
 
@@ -206,9 +208,9 @@ void probes_sent(struct broker *b);
 /* --- journal.c ------------------------------------------------------------------------------- */
 
 /*
- * What must be on disk before anybody is told.
+ * What must be on disk before any process is told.
  *
- * The broker's parts say what has changed; whoever has the disk takes it from here, in one
+ * The broker's parts say what has changed; the owner of the disk takes it from here, in one
  * transaction, and says how that went:
  *
  *     while (journal_wanted(b, &level)) {       at most once a round, before anything is delivered
@@ -237,7 +239,7 @@ enum journal_kind {
     JOURNAL_AGENT,    /* name, kind, durable_seq, failed_seq, reserved_seq */
     JOURNAL_MAIL,     /* row, letter, waiting, expires_wall_ns */
     JOURNAL_WAITING,  /* row, waiting: some receivers have settled it */
-    JOURNAL_GONE,     /* row to last_row: nobody waits for these */
+    JOURNAL_GONE,     /* row to last_row: these are not waited for */
     JOURNAL_LINE,     /* lines, slot, line; present false and no key: the slot is free */
     JOURNAL_RESET,    /* lines: all earlier ones of that kind are void */
     JOURNAL_CLOCK,    /* run_wall_ns */
@@ -345,7 +347,7 @@ struct lines *journal_table(struct broker *b, enum lines_kind lines);
 /** A line has changed, come or gone. */
 void journal_line_changed(struct broker *b, enum lines_kind lines, uint32_t slot);
 
-/* --- for whoever has the disk ----------------------------------------------------------------- */
+/* --- for the owner of the disk ---------------------------------------------------------------- */
 
 /**
  * @param level  out: what the transaction has to survive
@@ -366,7 +368,7 @@ uint64_t journal_run_wall_ns(const struct broker *b);
 
 /* --- recipients.c ---------------------------------------------------------------------------- */
 
-/* Whom a mail is for: names, a kind, a group, or whom a resolver has named. */
+/* The receivers of a mail: names, a kind, a group, or agents that a resolver has named. */
 
 /* The verbs of questions and changes. */
 enum recipients_verb {
@@ -388,23 +390,24 @@ enum recipients_verb {
 /** @return the verb of a mail to the broker; VERB_VERBS: it is none */
 enum recipients_verb recipients_verb(const struct mail *question);
 
-/* Whom a mail is for, each once; too large to be cleared for every mail. */
+/* The receivers of a mail, each once; too large to be cleared for every mail. */
 struct recipients {
     uint32_t agents[REGISTRY_MAX];
     uint32_t count;
-    uint32_t unknown; /* names that nobody ever had */
-    uint32_t refused; /* those whom the sender may not direct: not among the agents */
+    uint32_t unknown; /* names that no agent ever had */
+    uint32_t refused; /* agents that the sender may not direct: not among these */
     uint32_t veiled;  /* those outside the lock step that the sender is in; set by deliver_book */
 };
 
 /**
- * Finds whom a letter is for.  Of an address SCHEME:REST nobody is found; it is an unknown name if
- * there is nobody to ask about it.
+ * Finds the receivers of a letter. Of an address SCHEME:REST none is found; it is an unknown name
+ * if there is no agent to ask about it.
  */
 void recipients_of_letter(struct broker *b, const muster_Mail *letter, uint32_t sender,
                           struct recipients *to);
 
-/** Finds whom a mail is for: its one receiver, if another broker has named that, or the letter's.
+/** Finds the receivers of a mail: its one receiver, if another broker has named that, or the
+ * letter's.
  */
 void recipients_of_mail(struct broker *b, const struct mail *m, struct recipients *to);
 
@@ -413,11 +416,11 @@ void recipients_of_names(struct broker *b, const char *names, uint32_t sender,
                          struct recipients *to);
 
 /**
- * Finds those whom a resolver has named: the sender, and who is nobody, are left out; of the lock
- * step nobody can be among them but when a step ends.
+ * Finds the agents that a resolver has named: the sender, and unknown names, are left out; members
+ * of the lock step can be among them only when a step ends.
  *
  * @param names  fields of content
- * @param to     out: one unknown name, if nobody is left: an address that nobody fits
+ * @param to     out: one unknown name, if none is left: an address that no agent fits
  */
 void recipients_of_answer(struct broker *b, const char *names, uint32_t sender,
                           struct recipients *to);
@@ -441,7 +444,7 @@ bool recipients_has_member_change(const struct broker *b, const struct mail *que
 
 /*
  * What mail takes of the store is booked on its sender's account, and what is refused is counted
- * and told to whoever looks.
+ * and told to watchers.
  */
 
 /** Books a mail and its places in boxes.  @return false: refused and counted */
@@ -452,9 +455,9 @@ bool ledger_restore(struct broker *b, struct mail *m, uint32_t posts);
 
 /**
  * Books places in boxes outside the lock step that the sender is in.  They are not on its account
- * inside, where its room must not depend on who acknowledges by the wall clock.
+ * inside, where its room must not depend on acknowledgements by the wall clock.
  *
- * @return false: refused and counted; nobody inside may be told
+ * @return false: refused and counted; no member inside may be told
  */
 bool ledger_charge_veiled(struct broker *b, struct mail *m, uint32_t posts);
 
@@ -482,11 +485,11 @@ void outcome_end(struct broker *b, struct mail *m, muster_Outcome result);
 /**
  * The last word on a mail that is in no box, and ends with it.
  *
- * @param unknown  names among its receivers that nobody ever had: that is the worse news
+ * @param unknown  names among its receivers that no agent ever had: that is the worse news
  */
 void outcome_refuse(struct broker *b, struct mail *m, uint32_t unknown, muster_Outcome result);
 
-/** A mail waits for somebody, and is safe: its sender is told once. */
+/** A mail waits for a receiver, and is safe: its sender is told once. */
 void outcome_stored(struct broker *b, struct mail *m);
 
 /** One receiver is through with a mail; the last one ends it. */
@@ -521,7 +524,7 @@ void settle_expire(struct broker *b, uint64_t mail_ns);
 /** An agent has gone without a word: its receipts are kept until it is back, or for 10 s. */
 void settle_await(struct broker *b, uint32_t agent);
 
-/** Who has not come back by now is not awaited any more. */
+/** An agent that has not come back by now is not awaited any more. */
 void settle_tick(struct broker *b);
 
 /** @return when settle_tick, or a failed commit, is due, or UINT64_MAX */
@@ -561,7 +564,7 @@ bool deliver_is_held(const struct broker *b, const struct mail *m);
  *
  * @param waiting  names of the receivers that have not settled it, joined by commas
  * @param left_ns  of its time to live
- * @return false: nobody has room for it, and it is freed
+ * @return false: no box has room for it, and it is freed
  */
 bool deliver_restore(struct broker *b, struct mail *m, const char *waiting, uint64_t left_ns);
 
@@ -570,7 +573,8 @@ void deliver_send(struct broker *b, uint32_t receiver, const muster_Mail *letter
 
 /* --- answer.c -------------------------------------------------------------------------------- */
 
-/** Answers a mail; own is who was asked, performative is inform, failure or not-understood. */
+/** Answers a mail; own is the agent that was asked, performative is inform, failure or
+ * not-understood. */
 void answer_reply(struct broker *b, uint32_t own, const struct mail *question,
                   const char *performative, char *content);
 
@@ -597,7 +601,7 @@ void answer_ask(struct broker *b, uint32_t receiver, const char *performative,
  * the attribute scheme=SCHEME; in a lock step, only members of it are asked.  The question is a
  * mail of the broker in layer 2:
  *
- *   resolve  "SCHEME:REST" SENDER  ->  inform   NAME NAME ...   who the mail is for
+ *   resolve  "SCHEME:REST" SENDER  ->  inform   NAME NAME ...   receivers of the mail
  *                                      failure                  the address makes no sense
  *
  * A failure, or no answer in time, is the outcome unknown-name.  Mails of a sender that come after
@@ -608,7 +612,7 @@ void answer_ask(struct broker *b, uint32_t receiver, const char *performative,
 enum { RESOLVE_PATIENCE_MS = 1000, RESOLVE_PATIENCE_STEPS = 10 };
 
 enum resolve_state {
-    RESOLVE_FOLLOWS, /* its receivers are known, or nobody resolves them */
+    RESOLVE_FOLLOWS, /* its receivers are known, or none resolves them */
     RESOLVE_ASKED,
     RESOLVE_ANSWERED,
 };
@@ -619,7 +623,7 @@ struct resolve_wait {
     struct mail *answer;  /* kept; NULL: none, or a failure */
     struct mu_link link;  /* of the same sender */
     struct mu_link asked; /* of those that wait for an answer, in the order of asking */
-    uint32_t resolver;    /* who is asked */
+    uint32_t resolver;    /* the agent that is asked */
     uint8_t state;        /* enum resolve_state */
     uint64_t ticket;
     uint64_t since_ns, until_ns; /* mail clock */
@@ -633,7 +637,7 @@ struct resolve {
     struct mu_list waits_asked;
     uint64_t soonest_ns;     /* no patience ends before this, mail clock */
     uint64_t tickets[2];     /* given for questions to others, to members of the lock step */
-    uint64_t asked, refused; /* questions; answers that nobody had asked for, or not any more */
+    uint64_t asked, refused; /* questions; answers that were not asked for, or not any more */
 };
 
 void resolve_init(struct resolve *r, uint32_t agents);

@@ -15,7 +15,7 @@ void probes_init(struct probes *g)
 
 /* --- words ------------------------------------------------------------------------------------ */
 
-/* Of one word too many nobody hears: its asker waits for as long as it wants to.
+/* One word too many is not heard: its asker waits for as long as it wants to.
  * @return whether it will be heard */
 static bool word_say(struct broker *b, const struct probes_word *word)
 {
@@ -35,7 +35,7 @@ static void glance_free(struct probes *g, struct probe *probe)
     g->count--;
 }
 
-/* A probe whose word is lost would be kept for nobody. */
+/* A probe whose word is lost would be kept in vain. */
 static void word_of(struct broker *b, struct probe *probe, uint32_t place, muster_GlanceWord word)
 {
     bool said = word_say(b, &(struct probes_word){.place = place,
@@ -99,7 +99,7 @@ static struct probe *glance_take(struct probes *g, uint32_t from)
     return own < MU_GLANCES_EACH ? free : NULL;
 }
 
-/* @return the place at which somebody can be asked; MU_NONE: there is none */
+/* @return the place at which an agent can be asked; MU_NONE: there is none */
 static uint32_t place_of(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
@@ -170,7 +170,7 @@ void probes_hear(struct broker *b, uint32_t place, const muster_Glance *probe)
     } else if (b->registry.agents[asker].process == place) {
         ask_take(b, place, asker, probe);
     } else {
-        b->counters.malformed++; /* in the name of somebody else */
+        b->counters.malformed++; /* in the name of another agent */
     }
 }
 

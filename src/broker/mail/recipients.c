@@ -70,8 +70,8 @@ void recipients_of_answer(struct broker *b, const char *names, uint32_t sender,
 
 /* --- by group --------------------------------------------------------------------------------- */
 
-/* Members of a group who are in the lock step, or who are not.  Who is one of the former is for
- * those inside to say, whatever another broker has said meanwhile. */
+/* Members of a group that are in the lock step, or that are not. Which are the former is for those
+ * inside to say, whatever another broker has said meanwhile. */
 static void recipients_of_members(struct broker *b, const char *group, bool inside, uint32_t sender,
                                   struct recipients *to)
 {
@@ -107,7 +107,7 @@ static bool kind_is_addressed(enum mu_address_kind kind, muster_Kind of)
            (kind == MU_ADDRESS_SPECIAL && of == muster_KIND_SPECIAL);
 }
 
-/* A broadcast from inside the lock step does not go beyond the broker: who is there is known by
+/* A broadcast from inside the lock step does not go beyond the broker: agents there are known by
  * the wall clock. */
 static bool is_too_far(const struct broker *b, uint32_t agent, uint32_t sender)
 {
@@ -143,9 +143,8 @@ void recipients_of_letter(struct broker *b, const muster_Mail *letter, uint32_t 
     }
 }
 
-/* Whether somebody may speak for an agent is for that agent's own broker to say: a change in the
- * name of one who lives beyond another broker goes there, as his mail does.
- * @return who gets it */
+/* Whether one agent may speak for another is for the broker of the other to say: a change in the
+ * name of an agent beyond another broker goes there, as its mail does. @return the receiver */
 static uint32_t desk_of(const struct broker *b, const struct mail *m)
 {
     uint32_t agent = recipients_named(b, m);
@@ -169,7 +168,7 @@ void recipients_of_mail(struct broker *b, const struct mail *m, struct recipient
 /* The verbs of questions and changes. */
 static const struct {
     const char *performative;
-    unsigned names; /* which of its fields, from 1, names an agent whom it changes; 0: none */
+    unsigned names; /* which of its fields, from 1, names an agent that it changes; 0: none */
 } verbs[VERB_VERBS] = {
     [VERB_LOOKUP] = {"lookup", 0},
     [VERB_LISTING] = {"listing", 0},

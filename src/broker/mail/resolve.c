@@ -26,7 +26,7 @@ void resolve_init(struct resolve *r, uint32_t agents)
     mu_pool_init(&r->pool, waits);
 }
 
-/* --- whom to ask ------------------------------------------------------------------------------ */
+/* --- questions to resolvers ------------------------------------------------------------------- */
 
 enum resolve_need resolve_needs(const struct broker *b, const struct mail *m)
 {
@@ -108,7 +108,8 @@ struct mail *resolve_next_ready(struct broker *b, uint32_t sender, struct mail *
     return w.mail;
 }
 
-/* It is known, or (answer NULL) will never be, whom an address stands for.  @return whose mail */
+/* It is known, or (answer NULL) will never be, for which agents an address stands.  @return whose
+ * mail */
 static uint32_t wait_answer(struct broker *b, uint32_t index, struct mail *answer)
 {
     struct resolve *r = &b->resolve;

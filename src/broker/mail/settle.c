@@ -3,7 +3,7 @@
 
 #include "broker/control/parts.h"
 
-/* Counts those whom a mail does not reach. */
+/* Counts the agents that a mail does not reach. */
 static void receivers_count(struct broker *b, const struct mail *m, struct recipients *to)
 {
     recipients_of_mail(b, m, to);
@@ -123,7 +123,7 @@ void settle_undo(struct broker *b, struct mail *m)
     pool_release(&b->pool, m);
 }
 
-/* So long the broker keeps receipts for senders of an earlier life of it, and for those who have
+/* So long the broker keeps receipts for senders of an earlier life of it, and for those that have
  * fallen silent: they may come back. */
 static const uint64_t AWAIT_NS = 10000000000;
 

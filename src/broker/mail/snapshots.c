@@ -7,11 +7,12 @@
 
 #include <string.h>
 
-/* So long a host may be silent, with a lock step that waits for it, or with an agent that nobody
- * else has: less than a simulator waits for anybody. */
+/* So long a host may be silent, with a lock step that waits for it, or with an agent that no other
+ * process has: less than a simulator waits for any process. */
 static const uint64_t HOST_NS = 3000000000;
 
-/* Who is gone by the network's word may have been slow only: a lock step waits for so long. */
+/* A process that is gone by the network's word may have been slow only: a lock step waits for so
+ * long. */
 static const uint64_t LOSS_NS = 1000000000;
 
 void snapshots_init(struct snapshots *d)
@@ -301,8 +302,8 @@ void snapshots_heard(struct broker *b, uint32_t agent, uint32_t place)
     }
 }
 
-/* @return whether this is late word of who has set out from there; behind a run, who has its name
- * since another time is another one */
+/* @return whether this is late word of an agent that has set out from there; behind a run, a bearer
+ * of its name since another time is another one */
 static bool has_left(const struct broker *b, const struct agent *a, uint32_t seat,
                      const struct presence *is)
 {

@@ -101,7 +101,7 @@ static void receipts_forget(struct broker *b, uint32_t agent)
     }
 }
 
-/* Somebody else's name has the slot of one that has ended, or nobody's. */
+/* Another name has the slot of one that has ended, or none has it. */
 static void slot_clear(struct broker *b, struct peer *p, uint32_t slot, const char *name)
 {
     uint32_t agent = p->at_slot[slot] - 1;
@@ -117,7 +117,7 @@ static void slot_clear(struct broker *b, struct peer *p, uint32_t slot, const ch
 }
 
 /* A name that has ended here does not come back because another broker still knows it, and when
- * room is scarce a name that nobody bears takes none: its numbers alone are kept.
+ * room is scarce a name without a bearer takes none: its numbers alone are kept.
  * @return whether that was done */
 static bool entry_is_buried(struct broker *b, const muster_Entry *e, bool ours)
 {

@@ -25,8 +25,8 @@ void lifecycle_end_claim(struct broker *b, uint32_t index)
     processes_tidy(&b->processes, place);
 }
 
-/* A copy of an agent that has set out anew since, or has stayed after all.  Who never moved is
- * another agent of that name. */
+/* A copy of an agent that has set out anew since, or has stayed after all.  An agent that never
+ * moved is another one of that name. */
 static bool is_out_of_date(const struct presence *copy, const struct presence *now)
 {
     return copy->epoch > 0 && copy->epoch < now->epoch;
@@ -55,7 +55,7 @@ static void claims_review(struct broker *b, uint32_t agent)
     }
 }
 
-/* All who wait for a name begin anew, in the order that they have. */
+/* All that wait for a name begin anew, in the order that they have. */
 static void claims_renew(struct broker *b, uint32_t agent)
 {
     uint32_t *first = &b->registry.agents[agent].claim, count = 0;
@@ -110,7 +110,7 @@ static uint32_t copy_claim(const struct broker *b, uint32_t agent)
     return i;
 }
 
-/* A name that nobody has any more goes to who waits for it, if a lock step lets it. */
+/* A name without a bearer goes to the process that waits for it, if a lock step lets it. */
 static void claims_grant(struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
@@ -131,7 +131,7 @@ void lifecycle_tick(struct broker *b)
     while (lifecycle_deadline_ns(b) <= b->clock.now_ns) {
         uint32_t index = mu_list_first(&b->claims.list), agent = b->claims.at[index].agent;
         if (b->registry.agents[agent].process == MU_NONE) {
-            claims_grant(b, agent); /* whom the name was kept for has not come */
+            claims_grant(b, agent); /* the agent that the name was kept for has not come */
         } else {
             claim_refuse(b, index, muster_REFUSAL_NAME_HELD, lifecycle_holder(b, agent));
         }
@@ -319,7 +319,8 @@ static void route_use(struct broker *b, uint32_t agent, const struct peer *p)
     }
 }
 
-/* @param echoes  ways that may be echoes will do, too, as for who has had no way for long enough */
+/* @param echoes  ways that may be echoes will do, too, as for an agent that has had no way for long
+ * enough */
 static void route_choose(struct broker *b, uint32_t agent, bool echoes)
 {
     const struct agent *a = &b->registry.agents[agent];

@@ -16,7 +16,7 @@ struct broker;
 
 /* --- lifecycle.c ----------------------------------------------------------------------------- */
 
-/** The agent is absent from now on; who waits for its name gets it. */
+/** The agent is absent from now on; a process that waits for its name gets it. */
 void lifecycle_depart(struct broker *b, uint32_t agent);
 
 /** An agent that is nowhere moves into a slot of a place. */
@@ -36,13 +36,14 @@ void lifecycle_set_state(struct broker *b, uint32_t agent, muster_State state);
 /** The lock step has let go of a process: departures that it held up take place. */
 void lifecycle_settle(struct broker *b, uint32_t place);
 
-/** Who has waited long enough for a name is given it, if nobody has it, and else refused. */
+/** A process that has waited long enough for a name is given it, if it is free, and else refused.
+ */
 void lifecycle_tick(struct broker *b);
 
 /** @return when lifecycle_tick is needed next, or UINT64_MAX */
 uint64_t lifecycle_deadline_ns(const struct broker *b);
 
-/** Whoever reads for a place may have missed what was written: all that stands is told again. */
+/** The reader of a place may have missed what was written: all that stands is told again. */
 void lifecycle_tell_again(struct broker *b, uint32_t place);
 
 /** Something about the agent has changed: its best way is looked for. */
@@ -55,7 +56,7 @@ void lifecycle_end_claim(struct broker *b, uint32_t index);
 void lifecycle_claim(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
                      const struct presence *is);
 
-/** @return who holds a name, as the reason of a refusal */
+/** @return the holder of a name, as the reason of a refusal */
 const char *lifecycle_holder(struct broker *b, uint32_t agent);
 
 /** It is the last bearer itself, which has set out for there. */
@@ -63,12 +64,12 @@ bool lifecycle_is_copy(const struct agent *a, const struct presence *is);
 
 /* --- registration.c -------------------------------------------------------------------------- */
 
-/* Who is there: registrations, claims on names, and departures. */
+/* Registrations, claims on names, and departures. */
 
 /** Takes what a process says of one part of its agents. */
 void registration_take(struct broker *b, const muster_Registration *r);
 
-/** A process has taken back a part, or (crashed) nobody writes for it any more. */
+/** A process has taken back a part, or (crashed) it is not written for any more. */
 void registration_gone(struct broker *b, uint32_t place, uint32_t part, bool crashed);
 
 /* --- transfer.c ------------------------------------------------------------------------------ */
@@ -97,7 +98,7 @@ struct peer *federation_meet(struct broker *b, const char *name, uint64_t incarn
 /** Takes a part of what another broker announces. */
 void federation_hear(struct broker *b, const muster_Registration *r);
 
-/** Another broker is silent, or has left: nothing is known of who lives beyond it. */
+/** Another broker is silent, or has left: nothing is known of the agents beyond it. */
 void federation_lose(struct broker *b, uint32_t place);
 
 /* --- announce.c ------------------------------------------------------------------------------ */
@@ -127,16 +128,16 @@ uint64_t announce_deadline_ns(const struct broker *b);
 
 /*
  * Names end when room is needed: those whose agents have been absent for long enough, and that hold
- * nothing that somebody may ask for: mail in a box or on its way, sent or awaited, a group, a
+ * nothing that may be asked for: mail in a box or on its way, sent or awaited, a group, a
  * snapshot, a claim, a probe.  While a lock step is on none ends.
  *
  * Many parts of the broker keep indices of agents.  Those that are in use are found anew each time,
- * by a look at all of them: nobody has to count.
+ * by a look at all of them: nothing has to be counted.
  */
 
 void retire_init(struct retirement *t, uint64_t expiry_ns);
 
-/** Ends names, when there are many, and it is time.  Nobody may have an index in hand. */
+/** Ends names, when there are many, and it is time.  No caller may have an index in hand. */
 void retire_tick(struct broker *b);
 
 /** @return when retire_tick is needed next, or UINT64_MAX */

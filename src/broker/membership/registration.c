@@ -21,7 +21,7 @@ static bool slot_is_others(const muster_Registration *r, uint32_t slot, const ch
 }
 
 /* Ends the claims of a place: of one part alone, if that is not MU_NONE, and only where a slot
- * bears another name now, if the part is given; nobody would take what is given to such a one. */
+ * bears another name now, if the part is given; what is given to such a one would not be taken. */
 static void claims_end(struct broker *b, uint32_t place, uint32_t part,
                        const muster_Registration *now)
 {
@@ -64,7 +64,7 @@ static void host_copy(char to[MU_FIELD_MAX + 1], const char *host)
     }
 }
 
-/* Words of somebody's rules, which end on a terminal. */
+/* Words of an agent's rules, which end on a terminal. */
 static void reason_copy(char to[MU_FIELD_MAX + 1], const char *reason)
 {
     (void)mu_text_copy(to, MU_FIELD_MAX + 1, reason ? reason : "");
@@ -92,7 +92,8 @@ static void presence_of(const muster_Registration *r, const muster_Entry *e, str
     reason_copy(is->reason, e->reason);
 }
 
-/* A broker that has just begun, and knows of no bearer, gives a name to whoever comes first. */
+/* A broker that has just begun, and knows of no bearer, gives a name to the first process that
+ * comes. */
 static bool outlived_a_broker(const struct broker *b, uint32_t agent, const struct presence *is)
 {
     const struct agent *a = &b->registry.agents[agent];
@@ -112,7 +113,7 @@ static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uin
     bool is_other =
         a->resident.slot != slot || (!a->handed && a->is.since_wall_ns != is->since_wall_ns);
     if (a->process == place && is_other && !scope_is_inside(b->processes.at[place].scope)) {
-        b->registry.agents[agent].kept_until_ns = 0; /* whom it was kept for had come */
+        b->registry.agents[agent].kept_until_ns = 0; /* the agent that it was kept for had come */
         lifecycle_depart(b, agent); /* the name went to another agent of the same process */
     }
     if (a->process == MU_NONE && snapshots_have_later(b, agent, is->epoch)) {
@@ -226,7 +227,7 @@ static uint32_t place_hear(struct broker *b, const muster_Registration *r)
     if (r->incarnation < at->incarnation) {
         return MU_NONE; /* late, from a process that is no more */
     }
-    at->speaks = true; /* it stays, whoever leaves it */
+    at->speaks = true; /* it stays, if agents leave it or not */
     /* Its pages are empty, if we saw its agents go, too. */
     if (r->incarnation > at->incarnation) {
         if (at->agents_count > 0) {

@@ -15,11 +15,11 @@ void retire_init(struct retirement *t, uint64_t expiry_ns)
     t->held = mu_startup_array(REGISTRY_MAX, sizeof *t->held);
 }
 
-/* --- who holds an index ----------------------------------------------------------------------- */
+/* --- holders of an index ---------------------------------------------------------------------- */
 
 static void hold(struct broker *b, uint32_t agent)
 {
-    if (agent < REGISTRY_MAX) { /* else nobody's */
+    if (agent < REGISTRY_MAX) { /* else none's */
         b->retirement.held[agent] = true;
     }
 }
@@ -204,7 +204,7 @@ static void agent_end(struct broker *b, uint32_t agent)
     b->retirement.ended++;
 }
 
-/* Whoever lives beyond other brokers and had no place may have one now. */
+/* An agent beyond other brokers that had no place may have one now. */
 static void missed_ask(struct broker *b)
 {
     for (uint32_t i = 0; i < b->federation.peers_count; i++) {

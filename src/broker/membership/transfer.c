@@ -7,8 +7,8 @@
 
 #include <string.h>
 
-/* Who is absent for so long has no source that would take it back, or host that has only not said
- * yet that it has it. */
+/* An agent that is absent for so long has no source that would take it back, or host that has only
+ * not said yet that it has it. */
 static const uint64_t ORPHAN_NS = 2000000000;
 
 /* --- the way ---------------------------------------------------------------------------------- */
@@ -213,7 +213,7 @@ static void refusal_take(struct broker *b, uint32_t place, const muster_Trip *tr
     }
 }
 
-/* Nobody bears its name, and nobody is about to: a host that has it has been silent for too long.
+/* No agent has its name, and none is about to: a host that has it has been silent for too long.
  */
 static bool is_orphan(const struct broker *b, const struct snapshot *c)
 {
@@ -305,7 +305,7 @@ static int asker_compare(const void *x, const void *y, const void *broker)
     return askers != 0 ? askers : strcmp(one->name, other->name);
 }
 
-/* Whose snapshot came first depends on the clock; who sets out first does not. */
+/* Which snapshot came first depends on the clock; which agent sets out first does not. */
 bool transfer_step_ended(struct broker *b)
 {
     struct snapshots *d = &b->snapshots;

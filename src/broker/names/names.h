@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file names.h
- * Who bears a name, in which process, and beyond which other broker.
+ * The bearers of names, in which process, and beyond which other broker.
  */
 #ifndef MUSTER_BROKER_NAMES_H
 #define MUSTER_BROKER_NAMES_H
@@ -19,10 +19,10 @@ struct broker;
 /* --- registry.c ------------------------------------------------------------------------------ */
 
 /*
- * The white pages: every name that the broker knows, who bears it, and where it lives.
+ * The white pages: every name that the broker knows, its bearer, and where that lives.
  *
  * The other parts of the broker find what is theirs by an agent's index.  A name keeps its index
- * until it ends (membership/retire.c): nobody holds the index then, and another name may get it.
+ * until it ends (membership/retire.c): the index is held nowhere then, and another name may get it.
  */
 
 /** The broker itself stands first in the white pages, its parts after it (metrics.h). */
@@ -60,7 +60,7 @@ struct presence {
 };
 
 /* Queues of a place, for agents that may have something to be told: until they are served, and
- * until somebody has looked at how urgent it is. */
+ * until it was looked at how urgent it is. */
 enum resident_queue { RESIDENT_READY, RESIDENT_STIRRED, RESIDENT_QUEUES };
 
 /* An agent in a place: see residents.h. */
@@ -76,8 +76,8 @@ struct agent {
     uint32_t process;               /* MU_NONE when absent */
     uint8_t scope;                  /* enum scope: see steps.h */
     uint32_t left;                  /* the seat that a lock step took it from, or MU_NONE */
-    uint64_t left_wall_ns;          /* since when who left that had its name */
-    uint32_t claim;                 /* the first one on its name: see claims.h; MU_NONE: nobody's */
+    uint64_t left_wall_ns;          /* since when the agent that left it had its name */
+    uint32_t claim;                 /* the first one on its name: see claims.h; MU_NONE: none */
     struct resident resident;       /* while it has a process */
     struct presence is;
     uint64_t since_wall_ns;
@@ -113,7 +113,7 @@ struct agent {
  * known to be a duplicate, and new mail is not taken for one.
  *
  * It holds the GRAVES_MAX names that have ended last.  A name that is not among them begins as one
- * that nobody has borne.
+ * that no agent has had.
  */
 enum { GRAVES_MAX = 65536 };
 
@@ -164,7 +164,7 @@ uint32_t registry_find(const struct registry *r, const char *name);
 /** @return whether it is the broker or one of its parts */
 bool registry_is_own(uint32_t agent);
 
-/** @return why nobody may register that name as that kind, or NULL */
+/** @return why no agent may register that name as that kind, or NULL */
 const char *registry_objection(const char *name, muster_Kind kind);
 
 /** Enters a new name, absent until registry_seat; one that has ended goes on with its numbers.
@@ -183,7 +183,7 @@ bool registry_has_room(const struct registry *r);
 /** @return whether names should end that can */
 bool registry_is_crowded(const struct registry *r);
 
-/** A line of the white pages is news to everybody again. */
+/** A line of the white pages is news to all again. */
 void registry_touch(struct registry *r, uint32_t agent);
 
 /** The agent is now in this process. */
@@ -300,7 +300,7 @@ struct process {
     bool queued;           /* in the queue of those to look at */
     bool held;             /* waits for the dispatcher to wake */
     bool blocked;          /* the network refused it; waits for the next try */
-    bool lost;             /* nobody has written for it since its liveliness ended */
+    bool lost;             /* nothing was written for it since its liveliness ended */
     bool roll_call_due;    /* it is to say all its parts again */
     bool speaks;           /* its registration is just being taken in */
     bool flooded;          /* its last Delivery had many mails: see pacing.h */
@@ -351,7 +351,7 @@ uint32_t processes_find(const struct processes *p, const char *name);
 /** Finds a process or enters it.  @return its index, or MU_NONE when full */
 uint32_t processes_get(struct processes *p, const char *name);
 
-/** Forgets a process, unless somebody needs it. */
+/** Forgets a process, unless it is needed. */
 void processes_tidy(struct processes *p, uint32_t place);
 
 void processes_set_matched(struct processes *p, uint32_t place, bool matched);
@@ -399,7 +399,7 @@ void residents_wake(struct registry *r, struct processes *p, uint32_t agent);
 
 /**
  * @return an agent of the place that was woken since it was last served or calmed, or
- * RESIDENTS_NONE: so nobody who waits has to be looked at twice
+ * RESIDENTS_NONE: so no waiting agent has to be looked at twice
  */
 uint32_t residents_stirred(const struct processes *p, uint32_t place);
 
@@ -417,8 +417,8 @@ enum mailbox_gate names_gate(const struct broker *b, uint32_t agent);
 
 /**
  * It has acknowledged a number.  If that was not handed out before the last verdict, its process
- * knows its seat here, and which number comes next: who has had that number already takes whatever
- * follows it.
+ * knows its seat here, and which number comes next: a reader that has had that number already takes
+ * whatever follows it.
  */
 void names_confirm(struct broker *b, uint32_t agent, uint64_t number);
 
@@ -436,13 +436,14 @@ void names_hold(struct broker *b, uint32_t agent);
  * goes on: it takes none that does not follow. */
 void names_tell_number(struct broker *b, uint32_t agent);
 
-/** @return when who begins to wait now has waited long enough */
+/** @return when a process that begins to wait now has waited long enough */
 uint64_t names_hold_end_ns(const struct broker *b);
 
-/** Who bore the name is on the way here: from a broker that is no more, or to another platform. */
+/** The bearer of the name is on the way here: from a broker that is no more, or to another
+ * platform. */
 bool names_is_held(const struct broker *b, uint32_t agent);
 
-/** The white pages have changed: whoever may be told at any time is. */
+/** The white pages have changed: a process that may be told at any time is. */
 void names_changed(struct broker *b);
 
 /** A process is told that it has the name; another broker, where a box goes on that others have had
@@ -463,8 +464,8 @@ void names_owe_verdict(struct broker *b, uint32_t agent);
  *     it lives here.
  *
  * When the way in use is lost, another one that is not shorter than it was may lead back to here:
- * such a one is used only after a pause, in which whoever relied on us has heard that we know
- * none.  An agent's own broker is always believed.
+ * such a one is used only after a pause, in which the brokers that relied on us have heard that we
+ * know none.  An agent's own broker is always believed.
  */
 
 /* How long another way has to wait that may be an echo of our own. */
@@ -519,7 +520,7 @@ struct peer {
     uint64_t *taken; /* the last number of its box there that was taken here */
     bool *ack_due;
     uint32_t *acks; /* those with an acknowledgement due */
-    /* By their slots in its announcement, one more than the indices of those who are there: */
+    /* By their slots in its announcement, one more than the indices of those that are there: */
     uint32_t *at_slot;
     uint32_t acks_count;
 };
@@ -570,7 +571,7 @@ const char *remote_name(const char *process);
 /** @return the neighbour of that name, or NULL */
 struct peer *remote_peer(struct broker *b, const char *name);
 
-/** @return the reason of a refusal: somebody at that broker holds the name */
+/** @return the reason of a refusal: an agent at that broker holds the name */
 const char *remote_holder(struct broker *b, const char *home);
 
 /** @return the lane of this broker, below FEDERATION_RANGES */
@@ -599,7 +600,7 @@ uint32_t remote_end_pause(struct federation *l);
 /** @return whether an agent has to wait for a route that can be an echo */
 bool remote_pauses(const struct federation *l, uint32_t agent);
 
-/** Who is silent makes room. */
+/** A silent one makes room. */
 struct peer *remote_add_peer(struct broker *b, const char *name);
 
 /** @return false: the event was refused, and counted */

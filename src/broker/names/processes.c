@@ -26,7 +26,7 @@ static bool place_is_needed(const struct process *at)
            at->speaks || (at->is_broker && !at->lost);
 }
 
-/* Somebody who was turned down and never met: makes way only when its place is wanted. */
+/* A process that was turned down and never met: makes way only when its place is wanted. */
 static bool place_is_spare(const struct process *at)
 {
     return !at->used || !place_is_needed(at);
@@ -121,7 +121,7 @@ void processes_set_matched(struct processes *p, uint32_t place, bool matched)
     processes_set_blocked(p, place, false);
 }
 
-/* What is no UTF-8 would break whoever reads the answer. */
+/* What is no UTF-8 would break readers of the answer. */
 static void refusal_name(char to[MU_PROCESS_MAX + 1], const char *name)
 {
     struct mu_text t;

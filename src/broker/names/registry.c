@@ -142,7 +142,8 @@ void registry_remove(struct registry *r, uint32_t agent)
     order_remove(r, agent);
     (void)mu_table_remove(&r->names, a->name);
     changelog_remove(&r->changes, agent);
-    (void)changelog_gone(&r->changes); /* whoever knew the name knows that its bearer has left */
+    (void)changelog_gone(
+        &r->changes); /* a process that knew the name knows that its bearer has left */
     agent_clear(a);
     index_give(r, agent);
     registry_mark_page(r, agent / REGISTRY_PAGE);

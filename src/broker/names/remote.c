@@ -13,7 +13,7 @@ enum { PREFIX_LEN = sizeof PREFIX - 1 };
 
 static const uint64_t PAUSE_NS = FEDERATION_PAUSE_MS * 1000000ull;
 
-/* So long DDS keeps what somebody has written who is not heard. */
+/* So long DDS keeps the samples of a writer that is not heard. */
 static const uint64_t OVER_NS = 10000000000;
 
 void remote_init(struct federation *l)
@@ -166,7 +166,7 @@ static uint64_t lane_after(const struct broker *b, uint64_t last)
     return last - in_round + lane_at + (in_round > lane_at ? all : 0);
 }
 
-/* A name that nobody has borne yet begins at 1 everywhere, as long as everybody would hear of it;
+/* A name that no agent has had yet begins at 1 everywhere, as long as all brokers would hear of it;
  * and in a lock step all numbers are those of a run with one broker. */
 uint64_t remote_begin_seq(const struct broker *b, uint32_t agent)
 {

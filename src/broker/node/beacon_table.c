@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/* Two hosts may have started a broker in the same nanosecond: somebody must be the earlier one. */
+/* Two hosts may have started a broker in the same nanosecond: one must be the earlier one. */
 static enum beacon_news namesake_hear(const struct beacon_table *b, const muster_Beacon *beacon)
 {
     if (beacon->incarnation != b->incarnation) {
@@ -29,7 +29,7 @@ static struct beacon_other *other_find(struct beacon_table *b, const char *name)
     return NULL;
 }
 
-/* Who is silent makes room. */
+/* A silent one makes room. */
 static struct beacon_other *other_add(struct beacon_table *b, const char *name)
 {
     struct beacon_other *other = NULL;

@@ -238,7 +238,7 @@ static bool step_from(sqlite3_stmt *s, uint64_t number)
     return disk_step(s);
 }
 
-/* Writes who is alive in a bundle, or takes it out when nobody is. */
+/* Writes which mails of a bundle live, or takes it out when none does. */
 static bool bundle_write(struct disk *d, const struct bundle *b)
 {
     sqlite3_stmt *settled = d->statements[DISK_PUT_SETTLED];

@@ -5,7 +5,7 @@
  *
  * A row for each mail costs more than all else that the store does for it.  So mails whose numbers
  * follow each other are a bundle: one text, a JSON list, that is written once, and beside it a
- * short row that says which of them somebody still waits for.  The bundle goes with the last of
+ * short row that says which of them are still waited for.  The bundle goes with the last of
  * them.  The view `mails` shows one line a mail all the same.
  */
 #ifndef MUSTER_BROKER_DISK_BUNDLE_H
@@ -35,7 +35,7 @@ bool disk_bundle_put(struct disk *d, const struct journal_entry *e);
 /** Writes what is in hand; before the transaction ends.  @return whether nothing failed */
 bool disk_bundle_end(struct disk *d);
 
-/** Nobody waits for the mails e->row to e->last_row.  @return whether nothing failed */
+/** The mails e->row to e->last_row are not waited for.  @return whether nothing failed */
 bool disk_bundle_drop(struct disk *d, const struct journal_entry *e);
 
 #endif

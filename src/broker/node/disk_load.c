@@ -18,7 +18,7 @@ static char *read_text(struct reading *r)
 {
     static char none[1];
     const unsigned char *s = sqlite3_column_text(r->statement, r->count++);
-    return s ? (char *)(uintptr_t)s : none; /* idlc has no const; nobody writes there */
+    return s ? (char *)(uintptr_t)s : none; /* idlc has no const; nothing is written there */
 }
 
 static uint64_t read_number(struct reading *r)

@@ -3,7 +3,7 @@
 
 static const uint64_t BEAT_NS = 300000000;
 
-/* Other brokers and whoever looks on do not speak: they hear of us so often at least. */
+/* Other brokers and watchers do not speak: they hear of us so often at least. */
 static const uint64_t SPARED_MAX_NS = 1000000000;
 
 bool heartbeat_looks(const struct heartbeat *p, uint64_t now_ns)

@@ -121,8 +121,8 @@ bool beacon_table_lose(struct beacon_table *b, const char *name);
  * speak to it.
  *
  * A Beacon wakes every process at once, and every one acknowledges it: mail that is under way then
- * waits for all of them.  Who has sent an Up since the last look has heard of the broker, and DDS
- * takes every packet of the broker's for a sign of its life.
+ * waits for all of them.  A process that has sent an Up since the last look has heard of the
+ * broker, and DDS takes every packet of the broker's for a sign of its life.
  */
 
 struct heartbeat {
@@ -164,11 +164,11 @@ void beacon_hear(struct beacon *h);
 /**
  * Says that the broker is there, when that is due by the machine's clock.
  *
- * @param bags  those who are to hear of it
+ * @param bags the readers that are to hear of it
  */
 void beacon_tell(struct beacon *h, struct broker *b, const struct outlets *bags);
 
-/** Nobody was heard that has our name: agents may come from now on. */
+/** No broker was heard that has our name: agents may come from now on. */
 void beacon_be_sure(struct beacon *h);
 
 /** Takes the Beacon back; a broker that yields leaves it to the other one. */

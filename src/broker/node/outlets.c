@@ -105,7 +105,8 @@ static uint32_t hearers_count(const struct outlets *m)
     return m->once ? bus_writer_matches(&m->circulars) : 0;
 }
 
-/* Who does not hear multicasts, such as a simulator, is asked again when somebody more does. */
+/* A process that does not hear multicasts, such as a simulator, is asked again when one more does.
+ */
 static void outlet_listen(struct outlets *m, struct outlet *bag, struct broker *b)
 {
     uint32_t hearers = bag->matched && !bag->hears ? hearers_count(m) : bag->hearers;

@@ -40,7 +40,7 @@ static bool is_over(const muster_Mail *letter)
     return letter->again && letter->dst && letter->dst[0] == '\0';
 }
 
-/* What is said of it is said once: who asks again has a duplicate. */
+/* What is said of it is said once: one that asks again has a duplicate. */
 static void seen_note(struct broker *b, uint32_t sender, uint64_t seq)
 {
     struct agent *a = &b->registry.agents[sender];
@@ -50,7 +50,7 @@ static void seen_note(struct broker *b, uint32_t sender, uint64_t seq)
     }
 }
 
-/* There is no room for it, whoever it is for. */
+/* There is no room for it, for any receiver. */
 static void turn_away(struct broker *b, uint32_t sender, const muster_Mail *letter,
                       uint64_t *counter, muster_Outcome outcome)
 {

@@ -130,7 +130,7 @@ void request_subscribe(struct broker *b, const struct mail *question)
         return;
     }
     uint32_t old = subscriptions_find(all, agent, text);
-    if (old != MU_NONE) { /* he may have forgotten what he was told */
+    if (old != MU_NONE) { /* it may have forgotten what it was told */
         subscriptions_remove(all, old);
     } else if (all->count == MU_SUBSCRIPTIONS_MAX) {
         subscription_spare(b);
@@ -143,7 +143,7 @@ void request_subscribe(struct broker *b, const struct mail *question)
     }
     request_changed(b, question, s ? NULL : "full", text);
     if (s) {
-        notify_review(b, s, false); /* who is there already has come, too */
+        notify_review(b, s, false); /* one that is there already has come, too */
     }
 }
 

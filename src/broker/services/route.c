@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-/* @return whether it is for whom a resolver names */
+/* @return whether a resolver names its receivers */
 static bool mail_is_to_scheme(const struct mail *m)
 {
     return m->only == MU_NONE && mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME;
@@ -76,7 +76,7 @@ static void desks_take(struct broker *b, struct mail *m, const struct recipients
 }
 
 /* Goes on with a mail that need not wait for an address, or no longer.
- * @param names  fields of content: whom SCHEME:REST stands for; NULL: nobody can tell
+ * @param names  fields of content: the agents that SCHEME:REST stands for; NULL: not known
  * @return as route_mail */
 static bool mail_go_on(struct broker *b, struct mail *m, const char *names)
 {

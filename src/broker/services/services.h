@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file services.h
- * What the broker answers by mail, who is told of changes, and the way of one mail.
+ * What the broker answers by mail, news of changes, and the way of one mail.
  */
 #ifndef MUSTER_BROKER_SERVICES_H
 #define MUSTER_BROKER_SERVICES_H
@@ -23,7 +23,7 @@ struct broker;
  */
 
 /*
- * What a part of the broker has counted, for whoever asks it.
+ * What a part of the broker has counted, for agents that ask it.
  *
  *   state  to broker.PART  ->  inform   PART COUNTER NUMBER COUNTER NUMBER ...
  *          to broker       ->  inform   broker PART.COUNTER NUMBER ...
@@ -131,7 +131,7 @@ bool request_field_optional(const char **content, char *to, size_t size);
 /**
  * Says in whose name a change is made.
  *
- * @param named  whom the change names; "": nobody
+ * @param named the agent that the change names; "": none
  * @return the agent's name; NULL: not in that one's, and the sender has been answered
  */
 const char *request_actor(struct broker *b, const struct mail *question, const char *named);
@@ -195,7 +195,7 @@ void directive_take(struct broker *b, uint32_t own, const struct mail *m);
  * white pages.
  */
 
-/** Does what the mail wants, and answers it; own is whom it is for. */
+/** Does what the mail wants, and answers it; own is its receiver. */
 void desk_take(struct broker *b, uint32_t own, struct mail *m);
 
 /* --- notify.c -------------------------------------------------------------------------------- */
@@ -203,7 +203,7 @@ void desk_take(struct broker *b, uint32_t own, struct mail *m);
 /** Something may have changed: processes are woken, subscribers are sent what is news to them. */
 void notify_tell(struct broker *b);
 
-/** Tells a subscriber all that is news to him; silently: it counts as told. */
+/** Tells a subscriber all that is news to it; silently: it counts as told. */
 void notify_review(struct broker *b, struct subscription *s, bool silently);
 
 /** An agent has come or gone. */

@@ -101,7 +101,7 @@ static bool mail_is_for_many(const struct mail *m)
     return m->only == MU_NONE && !(is_for_names && !strchr(m->letter.dst, ','));
 }
 
-/* @return whom a mail is for alone, or MU_NONE */
+/* @return the one receiver of a mail, or MU_NONE */
 static uint32_t mail_receiver(const struct broker *b, const struct mail *m)
 {
     if (m->only != MU_NONE || mail_is_for_many(m)) {

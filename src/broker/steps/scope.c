@@ -17,7 +17,7 @@ static const bool rules[RULES][SCOPES] = {
     [RULE_SHOWN_LINES] = {[SCOPE_OPEN] = true, [SCOPE_RUN] = true},
 };
 
-/* What one has to do with another; whoever is outside has to do with everybody. */
+/* What one has to do with another; an agent outside has to do with all. */
 enum relation { RELATION_SEES, RELATION_ADDRESSES, RELATION_CROSSES, RELATIONS };
 
 static const bool of_run[RELATIONS][SCOPES] = {

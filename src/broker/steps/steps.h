@@ -81,10 +81,9 @@ const char *scope_refuses_counters(enum scope asker);
  * in one fixed order when the last of them has answered, whatever the order of arrival.
  *
  * The order: mails of a recording come in, acknowledgements, expiry of mail and leases, states,
- * mails by (src, seq), mails from outside by (src, seq), addresses that nobody has resolved in
- * time, mails that have become due.
- * Only which mails from outside have arrived by then depends on the clock, and the simulator is
- * told which.
+ * mails by (src, seq), mails from outside by (src, seq), addresses that were not resolved in time,
+ * mails that have become due. Only which mails from outside have arrived by then depends on the
+ * clock, and the simulator is told which.
  */
 
 /* Mails from outside that take effect in one step; the others wait for the next one. */
@@ -103,7 +102,7 @@ struct turn {
     uint32_t many;    /* among the mails from outside: those that are not for one name */
     uint32_t awaited; /* mails from outside for it alone, */
     uint32_t relayed; /* and those of them that another broker still has on disk */
-    bool active;      /* in the list of those of whom anything was collected */
+    bool active;      /* in the list of agents with something collected */
     bool has_ack, has_state;
     uint64_t ack;
     muster_State state;
@@ -120,7 +119,7 @@ struct steps {
     uint64_t start_version; /* of the white pages when it began */
     uint64_t version;       /* of the white pages, when the last step ended */
     struct turn *turns;     /* one for each agent of the registry */
-    uint32_t *active;       /* agents of whom something was collected */
+    uint32_t *active;       /* agents with something collected */
     uint32_t active_count;
     uint32_t outside_waiting;
     struct quota_use outside_use; /* of mails from outside, until they take effect */
@@ -211,16 +210,16 @@ struct mail *steps_pop(struct mail_list *list);
 /** Counts a mail from outside that is kept, or is kept no longer. */
 void steps_count_outside(struct steps *l, const struct mail *m, uint32_t by);
 
-/** @return how many mails of one sender have room in a step if all who have some get as much */
+/** @return how many mails of one sender have room in a step if all senders get as much */
 uint32_t steps_outside_share(const struct steps *l);
 
-/** @return how many have room beyond the shares: of who comes first by name */
+/** @return how many have room beyond the shares: of the first sender by name */
 uint32_t steps_outside_spare(const struct steps *l, uint32_t share);
 
-/** The next step begins with those of whom something is left. */
+/** The next step begins with what is left. */
 void steps_close_turns(struct steps *l);
 
-/** Who was collected first depends on the clock; what takes effect first does not. */
+/** What was collected first depends on the clock; what takes effect first does not. */
 void steps_order_turns(struct broker *b);
 
 #endif
