@@ -97,6 +97,7 @@ static const struct {
     {"record", record_verb},
     {"why", why_verb},
     {"completion", completion_verb},
+    {"doctor", doctor_verb},
     {"topics", topics_verb},
 };
 

@@ -47,6 +47,11 @@ void verbs_dump(void);
 /** muster completion: what a shell sources; or the words of a kind, a line each. */
 int completion_verb(int argc, char **argv);
 
+/* --- doctor.c --------------------------------------------------------------------------------- */
+
+/** muster doctor: what may keep muster from running on this machine, and the cure. */
+int doctor_verb(int argc, char **argv);
+
 /* --- new.c ------------------------------------------------------------------------------------ */
 
 /** muster new: an experiment and a rule file to change. */

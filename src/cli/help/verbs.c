@@ -65,6 +65,7 @@ const struct verb verbs[] = {
     {"host", PROCESSES, "NAME", "a platform that agents are launched on and move to", ""},
     {"resolver", PROCESSES, "SCHEME", "addresses such as role:scout or near:2.5", "near|role|task"},
 
+    {"doctor", HELP, "", "what may keep muster from running on this machine, and the cure", ""},
     {"completion", HELP, "bash|zsh|fish", "completion of command lines, for a shell to source",
      "bash|zsh|fish"},
     {"topics", HELP, "", "the table of DDS topics, as Markdown", ""},
