@@ -67,7 +67,8 @@ bool validate_roster(const muster_Roster *r)
         return false;
     }
     for (uint32_t i = 0; i < r->processes._length; i++) {
-        if (!validate_process(r->processes._buffer[i])) {
+        const char *process = r->processes._buffer[i];
+        if (!validate_process(process) || strcmp(process, r->simulator) == 0) {
             return false;
         }
     }

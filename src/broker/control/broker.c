@@ -109,9 +109,7 @@ static void place_matched(struct broker *b, uint32_t place)
 {
     struct process *at = &b->processes.at[place];
     at->version_had = 0;
-    if (at->rostered || at->simulator) {
-        at->step_due = true;
-    }
+    steps_role_on(b, place, ROLE_IS_OWED);
     lifecycle_tell_again(b, place);
 }
 

@@ -146,7 +146,7 @@ static void step_end(struct broker *b)
     l->step++;
     l->answered = 0;
     for (uint32_t i = 0; i < l->roster_count; i++) {
-        b->processes.at[l->roster[i]].answered = false;
+        steps_role_on(b, l->roster[i], ROLE_STEP_ENDS);
     }
     l->awaits_moves = true;
     if (!transfer_step_ended(b)) {
@@ -162,7 +162,7 @@ static bool step_is_complete(const struct steps *l)
 void step_answered(struct broker *b, uint32_t place)
 {
     struct steps *l = &b->steps;
-    b->processes.at[place].answered = true;
+    steps_role_on(b, place, ROLE_ANSWERS);
     l->answered++;
     if (step_is_complete(l)) {
         step_end(b);
@@ -173,12 +173,7 @@ void step_answered(struct broker *b, uint32_t place)
 
 static void place_enter(struct broker *b, uint32_t place)
 {
-    struct process *at = &b->processes.at[place];
-    at->rostered = true;
-    steps_set_scope(b, place, SCOPE_RUN);
-    at->answered = false;
-    at->step_due = false;
-    at->step_had = INT64_MIN;
+    steps_role_on(b, place, ROLE_JOINS);
     for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
          agent = residents_next(&b->registry, &b->processes, agent)) {
         mailbox_unwatch(&b->mailbox, agent);
@@ -190,10 +185,7 @@ static void place_enter(struct broker *b, uint32_t place)
 static void place_leave(struct broker *b, uint32_t place)
 {
     struct process *at = &b->processes.at[place];
-    at->rostered = false;
-    steps_set_scope(b, place, SCOPE_OPEN);
-    at->answered = false;
-    at->step_due = false;
+    steps_role_on(b, place, ROLE_LEAVES);
     view_forget_told(at); /* it was not shown all */
     at->roll_call_due = at->roll_call_due || at->overruled;
     at->overruled = false;
@@ -256,7 +248,7 @@ static void roster_shrink(struct broker *b, const muster_Roster *roster)
             l->roster[kept++] = place;
             continue;
         }
-        l->answered -= b->processes.at[place].answered;
+        l->answered -= role_next(l->members[place].role, ROLE_ANSWERS) == ROLES;
         if (roster->held) {
             residents_let_go(b, place);
         }
@@ -284,7 +276,7 @@ static void roster_grow(struct broker *b, const muster_Roster *roster, bool in_m
         uint32_t place = processes_get(&b->processes, roster->processes._buffer[i]);
         if (place == MU_NONE) {
             b->counters.malformed++;
-        } else if (!b->processes.at[place].rostered) {
+        } else if (!scope_is_inside(b->processes.at[place].scope)) {
             place_enter(b, place);
             l->roster[l->roster_count++] = place;
             if (in_mid_run) {
@@ -337,9 +329,7 @@ static void lockstep_end(struct broker *b)
     uint32_t count = l->roster_count, simulator = l->simulator;
     l->roster_count = l->answered = 0;
     l->simulator = MU_NONE;
-    b->processes.at[simulator].simulator = false;
-    steps_set_scope(b, simulator, SCOPE_OPEN);
-    b->processes.at[simulator].step_due = false;
+    steps_role_on(b, simulator, ROLE_LEAVES);
     for (uint32_t i = 0; i < count; i++) {
         b->processes.at[l->roster[i]].version_had =
             0; /* and of those outside, it has missed changes */
@@ -369,9 +359,7 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
     steps_set_held(b, roster->held);
     l->step = roster->step;
     l->simulator = simulator;
-    b->processes.at[simulator].simulator = true;
-    steps_set_scope(b, simulator, SCOPE_BESIDE);
-    b->processes.at[simulator].step_had = INT64_MIN;
+    steps_role_on(b, simulator, ROLE_SIMULATES);
     roster_grow(b, roster, false);
     settle_admit_due(b, clock_run_ns(&b->clock));
     l->version = l->start_version = b->registry.changes.version;
@@ -400,7 +388,7 @@ static void deliveries_owe(struct broker *b)
     struct steps *l = &b->steps;
     for (uint32_t i = 0; i <= l->roster_count; i++) {
         uint32_t place = i < l->roster_count ? l->roster[i] : l->simulator;
-        if (b->processes.at[place].step_had != l->step - 1) {
+        if (l->members[place].step_had != l->step - 1) {
             steps_owe_delivery(b, place);
         }
     }

@@ -292,11 +292,7 @@ struct process {
     uint8_t scope; /* enum scope: see steps.h */
     bool used;
     bool matched;
-    bool rostered;         /* a lock step waits for it */
     bool watches;          /* its agents have no bodies: the special ones look on */
-    bool simulator;        /* of the lock step */
-    bool answered;         /* its Up of the current step is in */
-    bool step_due;         /* the Delivery of the last step has not gone out to it */
     bool queued;           /* in the queue of those to look at */
     bool held;             /* waits for the dispatcher to wake */
     bool blocked;          /* the network refused it; waits for the next try */
@@ -314,7 +310,6 @@ struct process {
     uint64_t flood_wake_ns; /* when it is woken, if it is among those */
     uint32_t seat;          /* its number; no other place ever had it */
     uint64_t serial;        /* of the last Delivery to it */
-    int64_t step_had;       /* the step of the last Delivery of this lock step */
     uint64_t version_had;   /* of the white pages */
     uint64_t groups_had;
     uint64_t services_had;

@@ -22,8 +22,8 @@ uint32_t processes_find(const struct processes *p, const char *name)
 
 static bool place_is_needed(const struct process *at)
 {
-    return at->agents_count > 0 || at->claims > 0 || at->rostered || at->simulator || at->matched ||
-           at->speaks || (at->is_broker && !at->lost);
+    return at->agents_count > 0 || at->claims > 0 || at->scope > 0 || at->matched || at->speaks ||
+           (at->is_broker && !at->lost);
 }
 
 /* A process that was turned down and never met: makes way only when its place is wanted. */
@@ -89,11 +89,8 @@ uint32_t processes_get(struct processes *p, const char *name)
     struct process *at = &p->at[place];
     bool queued = at->queued; /* an earlier process left it in the queues: it stays there */
     bool flood_queued = at->flood_queued;
-    *at = (struct process){.used = true,
-                           .queued = queued,
-                           .flood_queued = flood_queued,
-                           .step_had = INT64_MIN,
-                           .seat = ++p->seats};
+    *at = (struct process){
+        .used = true, .queued = queued, .flood_queued = flood_queued, .seat = ++p->seats};
     bool fits = mu_text_copy(at->name, sizeof at->name, name);
     MU_ASSERT(fits && mu_table_put(&p->names, at->name, place) == MU_OK);
     p->used_count++;

@@ -32,12 +32,25 @@ void steps_rescope(struct broker *b, uint32_t agent)
                               b->steps.held && a->is.kind == muster_KIND_ROBOT);
 }
 
-void steps_set_scope(struct broker *b, uint32_t place, enum scope scope)
+void steps_rescope_all(struct broker *b, uint32_t place)
 {
-    b->processes.at[place].scope = scope;
     for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
          agent = residents_next(&b->registry, &b->processes, agent)) {
         steps_rescope(b, agent);
+    }
+}
+
+void steps_role_on(struct broker *b, uint32_t place, enum role_event event)
+{
+    struct member *m = &b->steps.members[place];
+    m->role = role_next(m->role, event);
+    MU_ASSERT(m->role < ROLES);
+    if (event == ROLE_JOINS || event == ROLE_SIMULATES) {
+        m->step_had = INT64_MIN;
+    }
+    if (b->processes.at[place].scope != scope_of_role(m->role)) {
+        b->processes.at[place].scope = scope_of_role(m->role);
+        steps_rescope_all(b, place);
     }
 }
 
@@ -176,14 +189,15 @@ void steps_keep_state(struct steps *l, uint32_t agent, muster_State state)
 
 enum steps_effect steps_effect(const struct broker *b, uint32_t place, int64_t step)
 {
-    const struct process *at = &b->processes.at[place];
-    if (!scope_is_inside(at->scope)) {
+    enum role role = b->steps.members[place].role;
+    if (!scope_is_inside(scope_of_role(role))) {
         return STEPS_NOW;
     }
     if (step == muster_STEP_NOW) {
         return STEPS_OUTSIDE;
     }
-    return !at->answered && step == b->steps.step ? STEPS_INSIDE : STEPS_IGNORED;
+    bool awaited = role == ROLE_AWAITED || role == ROLE_AWAITED_OWED;
+    return awaited && step == b->steps.step ? STEPS_INSIDE : STEPS_IGNORED;
 }
 
 static int agent_compare(const void *x, const void *y, const void *registry)
@@ -243,8 +257,8 @@ bool steps_view(const struct broker *b, uint32_t place, uint64_t interval_ns,
                 struct steps_view *view)
 {
     const struct steps *l = &b->steps;
-    const struct process *at = &b->processes.at[place];
-    *view = (struct steps_view){.scope = (enum scope)at->scope,
+    enum role role = l->members[place].role;
+    *view = (struct steps_view){.scope = scope_of_role(role),
                                 .step = muster_STEP_NOW,
                                 .version = b->registry.changes.version};
     if (!scope_is_paced(view->scope)) {
@@ -259,14 +273,14 @@ bool steps_view(const struct broker *b, uint32_t place, uint64_t interval_ns,
     view->is_round = steps == 0 || (uint64_t)l->step % steps == 0;
     view->told = l->told;
     view->told_count = place == l->simulator ? l->told_count : 0;
-    return at->step_due && !l->awaits_moves;
+    bool owed = role_next(role, ROLE_IS_TOLD) != ROLES;
+    return owed && !l->awaits_moves;
 }
 
 void steps_delivered(struct broker *b, uint32_t place)
 {
-    struct process *at = &b->processes.at[place];
-    at->step_due = false;
-    at->step_had = b->steps.step - 1;
+    steps_role_on(b, place, ROLE_IS_TOLD);
+    b->steps.members[place].step_had = b->steps.step - 1;
     if (place == b->steps.simulator) {
         steps_told(b);
     }
@@ -274,7 +288,7 @@ void steps_delivered(struct broker *b, uint32_t place)
 
 void steps_owe_delivery(struct broker *b, uint32_t place)
 {
-    b->processes.at[place].step_due = true;
+    steps_role_on(b, place, ROLE_IS_OWED);
     processes_wake(&b->processes, place);
 }
 

@@ -38,6 +38,16 @@ enum scope scope_of_agent(enum scope process, bool looks_on, bool awaited)
     return awaited ? SCOPE_AWAITED : SCOPE_OPEN;
 }
 
+enum scope scope_of_role(enum role role)
+{
+    static const enum scope scopes[ROLES] = {
+        [ROLE_OUTSIDE] = SCOPE_OPEN,          [ROLE_SIMULATOR] = SCOPE_BESIDE,
+        [ROLE_SIMULATOR_OWED] = SCOPE_BESIDE, [ROLE_AWAITED] = SCOPE_RUN,
+        [ROLE_AWAITED_OWED] = SCOPE_RUN,      [ROLE_ANSWERED] = SCOPE_RUN,
+        [ROLE_ANSWERED_OWED] = SCOPE_RUN};
+    return scopes[role];
+}
+
 enum scope scope_of_line(bool is_part)
 {
     return is_part ? SCOPE_PART : SCOPE_BROKER;

@@ -11,6 +11,35 @@
 
 struct broker;
 
+/* --- role.c ---------------------------------------------------------------------------------- */
+
+/* What a process is to a run that goes by steps; _OWED: the Delivery of the last step has not gone
+ * out to it. */
+enum role {
+    ROLE_OUTSIDE,
+    ROLE_SIMULATOR,
+    ROLE_SIMULATOR_OWED,
+    ROLE_AWAITED, /* a member: its answer to the step is to come */
+    ROLE_AWAITED_OWED,
+    ROLE_ANSWERED,
+    ROLE_ANSWERED_OWED,
+    ROLES
+};
+
+enum role_event {
+    ROLE_JOINS,
+    ROLE_SIMULATES,
+    ROLE_ANSWERS,
+    ROLE_STEP_ENDS,
+    ROLE_IS_OWED,
+    ROLE_IS_TOLD,
+    ROLE_LEAVES,
+    ROLE_EVENTS
+};
+
+/** @return the next role, or ROLES: the event is illegal */
+enum role role_next(enum role role, enum role_event event);
+
 /* --- scope.c --------------------------------------------------------------------------------- */
 
 /*
@@ -37,6 +66,9 @@ enum scope {
  */
 enum scope scope_of_agent(enum scope process, bool looks_on, bool awaited);
 enum scope scope_of_line(bool is_part);
+
+/** @return the scope of a process with that role */
+enum scope scope_of_role(enum role role);
 
 /** @return the scope of a word about a migration that came with an answer to a step, or without */
 enum scope scope_of_word(bool in_step);
@@ -108,7 +140,13 @@ struct turn {
     muster_State state;
 };
 
+struct member {
+    enum role role;
+    int64_t step_had; /* the step of its last Delivery in this run */
+};
+
 struct steps {
+    struct member members[MU_PROCESSES_MAX]; /* one for each place */
     bool held;          /* the step does not end: a process of the roster is to come yet */
     bool awaits_moves;  /* the last step has no end yet: agents are on their way */
     int64_t step;       /* whose Ups are collected */
@@ -131,8 +169,11 @@ struct steps {
 
 void steps_init(struct steps *l, uint32_t agents);
 
-/** The scope of a process changes, and with it that of its agents. */
-void steps_set_scope(struct broker *b, uint32_t place, enum scope scope);
+/** Something happens to a process that has to do with the run; our own code aborts if it cannot. */
+void steps_role_on(struct broker *b, uint32_t place, enum role_event event);
+
+/** Gives the agents of a process their scopes anew. */
+void steps_rescope_all(struct broker *b, uint32_t place);
 
 /** An agent has come to a process, has left it, or is of another kind now. */
 void steps_rescope(struct broker *b, uint32_t agent);

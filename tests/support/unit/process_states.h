@@ -23,8 +23,6 @@ static inline bool process_states_legal(const struct broker *b)
 {
     static const char *const sessions[] = {"---l", "----", "u---", "u--l", "um--",
                                            "um-l", "umh-", "umhl", NULL};
-    static const char *const roles[] = {"----", "-s--", "-s-d", "r---",
-                                        "r--d", "r-a-", "r-ad", NULL};
     static const char *const turns[] = {"---", "q--", "-h-", "qh-", "--b",
                                         "q-b", "-hb", "qhb", NULL};
     bool legal = true;
@@ -32,11 +30,8 @@ static inline bool process_states_legal(const struct broker *b)
         const struct process *at = &b->processes.at[i];
         char session[] = {at->used ? 'u' : '-', at->matched ? 'm' : '-', at->hears ? 'h' : '-',
                           at->lost ? 'l' : '-', 0};
-        char role[] = {at->rostered ? 'r' : '-', at->simulator ? 's' : '-',
-                       at->answered ? 'a' : '-', at->step_due ? 'd' : '-', 0};
         char turn[] = {at->queued ? 'q' : '-', at->held ? 'h' : '-', at->blocked ? 'b' : '-', 0};
-        legal = legal && process_states_has(sessions, session) && process_states_has(roles, role) &&
-                process_states_has(turns, turn) && (at->used || !at->blocked);
+        legal = legal && process_states_has(sessions, session) && process_states_has(turns, turn) && (at->used || !at->blocked);
     }
     return legal;
 }
