@@ -135,9 +135,9 @@ FAULTS   := $(O)/lib/muster/libmuster-faults.so
 EXAMPLES := $(patsubst examples/%.c,$(O)/examples/%,$(wildcard examples/*.c))
 HELPERS  := $(patsubst tests/programs/%.c,$(O)/programs/%,$(wildcard tests/programs/*.c))
 UNITS    := $(patsubst tests/unit/%/,$(O)/unit/%,$(wildcard tests/unit/*/))
-BENCHES  := $(patsubst bench/%.c,$(O)/bench/%,$(wildcard bench/*.c))
+BENCHES  := $(patsubst bench/%.c,$(O)/bench/%,$(wildcard bench/micro/*.c))
 SOURCES  := $(shell find src include tests examples bench -name '*.[ch]' 2>/dev/null)
-# Who is not asked for by name, and was built once, is kept up to date: a helper or a bench of before
+# A program that was built once is kept up to date without being asked for: a helper or a bench of before
 # a change of idl/wire.idl talks another wire than the programs that it meets.
 KEPT     := $(wildcard $(HELPERS) $(BENCHES) $(O)/test/gohome)
 
@@ -232,8 +232,8 @@ $(O)/tests/unit/%.o: override CPPFLAGS += -Itests/support/unit -Dmain=unit_$(*F)
 $(O)/tests/unit/%.o: CFLAGS += -Wno-missing-prototypes
 $(SUPPORT) $(patsubst %.c,$(O)/%.o,$(wildcard tests/unit/*/*.c)): | test-deps
 
-bench_module = $(word 2,$(subst _, ,$(1)))
-$(O)/bench/%: $(O)/bench/%.o $$(call module_objs,$$(call bench_module,$$*))
+bench_module = $(word 1,$(subst _, ,$(1)))
+$(O)/bench/micro/%: $(O)/bench/micro/%.o $$(call module_objs,$$(call bench_module,$$*))
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_$(call bench_module,$*))
 
@@ -455,11 +455,11 @@ $(O)/test/rules: $(O)/tests/rules/muster/rules.o $$(call module_objs,mind)
 
 .PHONY: bench
 bench: all $(BENCHES) ## mail, lock step and controller cycles, as ratios to a direct DDS write
-	@O=$(O) BUILD=$(BUILD) bench/run
+	@O=$(O) BUILD=$(BUILD) bench/micro/run
 
 .PHONY: bench-recording
 bench-recording: all ## what run.mcap costs a run, in interleaved rounds: ARGS=ROUNDS
-	@BUILD=$(BUILD) bench/recording $(ARGS)
+	@BUILD=$(BUILD) bench/run/recording $(ARGS)
 
 .PHONY: bench-scale
 bench-scale: all ## many robots in whole runs, one process against two: ARGS="--robots 100 1000 --rounds 3"
@@ -467,14 +467,14 @@ bench-scale: all ## many robots in whole runs, one process against two: ARGS="--
 
 .PHONY: bench-web
 bench-web: all $(O)/programs/frame_feeder ## the live page: frames for viewers and in a browser, processor time of the server
-	@BUILD=$(BUILD) bench/web $(ARGS)
+	@BUILD=$(BUILD) bench/web/page $(ARGS)
 
 .PHONY: bench-slider
 bench-slider: all ## the time slider: how long the page waits for a moment of a ten minute recording
-	@BUILD=$(BUILD) bench/slider $(ARGS)
+	@BUILD=$(BUILD) bench/web/slider $(ARGS)
 
 .PHONY: bench-minds
-bench-minds: $(O)/test/clips $(O)/bench/bench_mind_cycle ## a robot's control cycle; the engine in a robot against the program clips
+bench-minds: $(O)/test/clips $(O)/bench/micro/mind_cycle ## a robot's control cycle; the engine in a robot against the program clips
 	@BUILD=$(BUILD) bench/minds/run $(ARGS)
 
 # Against other brokers: their packages are asked for here, and needed nowhere else.

@@ -13,8 +13,8 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 BUILD = ROOT / os.environ.get("O", "build/" + os.environ.get("BUILD", "release"))
 BROKER = BUILD / "bin" / "muster-broker"
-DIRECT = BUILD / "bench" / "bench_bus_direct"
-NAMES = BUILD / "bench" / "bench_runtime_names"
+DIRECT = BUILD / "bench" / "micro" / "bus_direct"
+NAMES = BUILD / "bench" / "micro" / "runtime_names"
 # Nobody else's: `muster run`, the tests and `make bench` pick lower ones.
 OUR_DOMAIN, DIRECT_DOMAIN = 218, 219
 TICKS_S = os.sysconf("SC_CLK_TCK")

@@ -6,7 +6,7 @@
  */
 #include "peer.h"
 
-#include "../bench_up.h"
+#include "../micro/up.h"
 #include "bus/bus.h"
 #include "core/clock.h"
 #include "core/text.h"

@@ -185,7 +185,7 @@ class Line(typing.NamedTuple):
 
 
 NO_STORE = "muster-broker has no --store"
-NO_NAMES = "bench_runtime_names is not there"
+NO_NAMES = "runtime_names is not there"
 MQ0, MQ1 = "mosquitto QoS 0:", "mosquitto QoS 1:"
 LINES = (
     Line("roundtrip", "round trip p50", "us", "ours_trip_p50_us", "direct DDS:", "direct_us", 2.2),

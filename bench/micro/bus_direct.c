@@ -2,14 +2,14 @@
 /*
  * The yardstick: two processes, one writer and one reader each, and Cyclone DDS as it comes, with
  * the type, the quality of service and the configuration that a mail on its way to the broker has.
- *   bench_bus_direct echo DOMAIN
- *   bench_bus_direct ping DOMAIN COUNT     prints the median round trip in microseconds
- *   bench_bus_direct flood DOMAIN COUNT    prints samples a second, from first write to last read
+ *   bus_direct echo DOMAIN
+ *   bus_direct ping DOMAIN COUNT     prints the median round trip in microseconds
+ *   bus_direct flood DOMAIN COUNT    prints samples a second, from first write to last read
  */
-#include "bench_up.h"
 #include "bus/bus.h"
 #include "bus/topics.h"
 #include "core/clock.h"
+#include "up.h"
 #include "wire.h"
 
 #include <dds/dds.h>

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Many agents in one process, through a broker that runs already.
- *   bench_runtime_names register DOMAIN AGENTS        prints registrations a second, all confirmed
- *   bench_runtime_names lookup DOMAIN AGENTS COUNT    prints the median microseconds of a question
+ *   runtime_names register DOMAIN AGENTS        prints registrations a second, all confirmed
+ *   runtime_names lookup DOMAIN AGENTS COUNT    prints the median microseconds of a question
  *                                                     to the broker's white pages
- *   bench_runtime_names cached DOMAIN AGENTS COUNT    prints nanoseconds of a look at the copy
- *   bench_runtime_names stay DOMAIN AGENTS            prints registrations a second, and stays
+ *   runtime_names cached DOMAIN AGENTS COUNT    prints nanoseconds of a look at the copy
+ *   runtime_names stay DOMAIN AGENTS            prints registrations a second, and stays
  */
 #include "core/clock.h"
 #include "muster/muster.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Many minds in one process, in turns as in a control step: what each takes of time and memory.
- *   bench_mind_crew RULES_FOLDER FILE MINDS STEPS
+ *   mind_crew RULES_FOLDER FILE MINDS STEPS
  * prints milliseconds of processor time to make a mind, its memory in KiB, microseconds a cycle
  */
 #include "core/text_file.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Mail that waits for an absent agent, through a broker that runs already.
- *   bench_runtime_stored put DOMAIN ram|logged|synced COUNT   mails stored a second: 128 bytes
- * each, 200 without an answer; ends when all are bench_runtime_stored drain DOMAIN COUNT   ms from
+ *   runtime_stored put DOMAIN ram|logged|synced COUNT   mails stored a second: 128 bytes
+ * each, 200 without an answer; ends when all are runtime_stored drain DOMAIN COUNT   ms from
  * the first of COUNT mails to the last, for the agent that comes back; each checked, once, in order
  */
 #include "core/clock.h"

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * How long bystanders wait while others misbehave, through a broker that runs already.
- *   bench_runtime_flood echo DOMAIN NAME          answers every mail
- *   bench_runtime_flood ask DOMAIN NAME PEER COUNT
+ *   runtime_flood echo DOMAIN NAME          answers every mail
+ *   runtime_flood ask DOMAIN NAME PEER COUNT
  *                       prints the median and the 99th percentile of the round trip, microseconds
- *   bench_runtime_flood flood DOMAIN NAME RECEIVER RATE
+ *   runtime_flood flood DOMAIN NAME RECEIVER RATE
  *                       sends that many mails a second, 0: as fast as it can, until it is ended
  */
 #include "core/clock.h"

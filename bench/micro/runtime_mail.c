@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Mail by name, through a broker that runs already.
- *   bench_runtime_mail echo DOMAIN           the agent `echo`: answers every mail that says ping
- *   bench_runtime_mail ping DOMAIN COUNT     prints the median round trip in microseconds
- *   bench_runtime_mail pace DOMAIN COUNT     a mail each millisecond from one agent to another;
+ *   runtime_mail echo DOMAIN           the agent `echo`: answers every mail that says ping
+ *   runtime_mail ping DOMAIN COUNT     prints the median round trip in microseconds
+ *   runtime_mail pace DOMAIN COUNT     a mail each millisecond from one agent to another;
  *                                            prints their mean delay in microseconds
- *   bench_runtime_mail flood DOMAIN COUNT    prints mails a second, from first send to last receipt
+ *   runtime_mail flood DOMAIN COUNT    prints mails a second, from first send to last receipt
  */
 #include "core/clock.h"
 #include "muster/muster.h"

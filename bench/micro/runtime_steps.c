@@ -2,7 +2,7 @@
 /*
  * How long the steps of a lock step take: a process that watches notes when each begins.
  *
- *   bench_runtime_steps DOMAIN STEPS     prints median, 99th percentile and worst, in microseconds
+ *   runtime_steps DOMAIN STEPS     prints median, 99th percentile and worst, in microseconds
  *
  * Start muster-sim with --watchers 1, so that it is there from the first step on.  It joins the
  * lock step, so that what it takes is in what it measures.
@@ -44,7 +44,7 @@ static int compare(const void *a, const void *b)
 int main(int argc, char **argv)
 {
     if (argc != 3) {
-        fprintf(stderr, "usage: bench_runtime_steps DOMAIN STEPS\n");
+        fprintf(stderr, "usage: runtime_steps DOMAIN STEPS\n");
         return EXIT_FAILURE;
     }
     wanted = (size_t)strtoul(argv[2], NULL, 10);
@@ -61,7 +61,7 @@ int main(int argc, char **argv)
     mu_result ran = mu_process_run(process);
     mu_process_close(process);
     if (ran != MU_OK || count < wanted) {
-        fprintf(stderr, "bench_runtime_steps: %zu of %zu steps\n", count, wanted);
+        fprintf(stderr, "runtime_steps: %zu of %zu steps\n", count, wanted);
         return EXIT_FAILURE;
     }
     qsort(intervals_ns, count, sizeof intervals_ns[0], compare);

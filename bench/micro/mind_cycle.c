@@ -2,7 +2,7 @@
 /*
  * A controller cycle alone: five percept facts in the place of the last ones, two rules, four calls
  * of the robot's functions (bench/minds/cycle.clp).
- *   bench_mind_cycle RULES_FOLDER FILE COUNT
+ *   mind_cycle RULES_FOLDER FILE COUNT
  * prints microseconds of processor time a cycle, and KiB of memory of a mind without any rules
  */
 #include "core/text_file.h"

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A robot's mind alone: percepts and a mail in, the library's following rules, a speed out.
- *   bench_mind_mind RULES_FOLDER FILE COUNT    prints microseconds a cycle
+ *   mind_mind RULES_FOLDER FILE COUNT    prints microseconds a cycle
  */
+#include "mind/mind.h"
 #include "core/clock.h"
 #include "core/text_file.h"
-#include "mind/mind.h"
 #include "muster/limits.h"
 
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
- * @file bench_up.h
+ * @file up.h
  * A sample of the type that mail goes to the broker in, with one mail: for what is measured over
  * DDS without a broker.
  */
