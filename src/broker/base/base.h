@@ -213,10 +213,14 @@ bool validate_registration(const muster_Registration *r);
 /** @return whether what is said of an agent fits; its name may still be no good one */
 bool validate_entry(const muster_Entry *e, bool of_a_broker);
 
-bool validate_roster(const muster_Roster *r);
-
 /** Checks the frame of an Up; its mails are looked at one by one. */
 bool validate_up(const muster_Up *up);
+
+/** @return whether a run can be at that step: if it goes by steps, they are counted and timed */
+bool validate_step(int64_t step, uint64_t step_ns, bool by_steps);
+
+/** @return whether these can be the processes of a run; its simulator is none of them */
+bool validate_members(const char *simulator, char *const *processes, uint32_t count);
 
 /** Checks all of a mail but its sender. */
 bool validate_mail(const muster_Mail *m);

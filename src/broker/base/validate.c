@@ -51,24 +51,21 @@ bool validate_entry(const muster_Entry *e, bool of_a_broker)
            (unsigned)e->full <= muster_BOX_DROP_LOWEST && validate_home(e, of_a_broker);
 }
 
-/* Steps are counted and timed in lock step; else they tell the run's time, if they can. */
-static bool validate_step(const muster_Roster *r)
+bool validate_step(int64_t step, uint64_t step_ns, bool by_steps)
 {
-    if (r->step < 0 || r->step_ns == 0) {
-        return !r->lockstep;
+    if (step < 0 || step_ns == 0) {
+        return !by_steps;
     }
-    return (uint64_t)r->step + 2 <= (uint64_t)INT64_MAX / r->step_ns;
+    return (uint64_t)step + 2 <= (uint64_t)INT64_MAX / step_ns;
 }
 
-bool validate_roster(const muster_Roster *r)
+bool validate_members(const char *simulator, char *const *processes, uint32_t count)
 {
-    if (!validate_process(r->simulator) || !validate_step(r) ||
-        !validate_sequence(r->processes._length, r->processes._buffer, MU_PROCESSES_MAX)) {
+    if (!validate_process(simulator) || !validate_sequence(count, processes, MU_PROCESSES_MAX)) {
         return false;
     }
-    for (uint32_t i = 0; i < r->processes._length; i++) {
-        const char *process = r->processes._buffer[i];
-        if (!validate_process(process) || strcmp(process, r->simulator) == 0) {
+    for (uint32_t i = 0; i < count; i++) {
+        if (!validate_process(processes[i]) || strcmp(processes[i], simulator) == 0) {
             return false;
         }
     }

@@ -160,16 +160,6 @@ void broker_is_read(struct broker *b, uint32_t readers)
     multicast_read_by(b, readers);
 }
 
-void broker_roster(struct broker *b, const muster_Roster *roster, uint64_t now_ns)
-{
-    broker_enter(b, now_ns);
-    if (validate_roster(roster)) {
-        step_set_roster(b, roster);
-    } else {
-        b->counters.malformed++;
-    }
-}
-
 /* --- what processes send ---------------------------------------------------------------------- */
 
 /* @return the agent of that name, if it lives there, or MU_NONE */
@@ -480,9 +470,9 @@ void broker_status(const struct broker *b, muster_BrokerStatus *status)
                                     .over_share = c->over_share,
                                     .no_store = c->no_store,
                                     .stored = b->pool.mails,
-                                    .lockstep = b->lockstep_end,
                                     .oldest_ns =
                                         arrivals_oldest_ns(&b->arrivals, clock_mail_ns(&b->clock))};
+    steps_last_end(&b->steps, status);
     status->broker = sample_text(b->name);
 }
 
@@ -590,7 +580,7 @@ uint32_t broker_samples_wanted(const struct broker *b)
     return b->probes.count > 0 ? 1 : steps_missing(&b->steps);
 }
 
-bool broker_in_lockstep(const struct broker *b)
+bool broker_by_steps(const struct broker *b)
 {
     return clock_by_steps(&b->clock);
 }

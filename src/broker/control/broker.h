@@ -178,7 +178,7 @@ bool broker_event_next(struct broker *b, muster_BrokerEvent *out);
 uint32_t broker_samples_wanted(const struct broker *b);
 
 /** @return whether a lock step is under way */
-bool broker_in_lockstep(const struct broker *b);
+bool broker_by_steps(const struct broker *b);
 
 /** When broker_tick is needed next, in broker time; UINT64_MAX: not before something happens. */
 uint64_t broker_deadline_ns(const struct broker *b);

@@ -69,7 +69,6 @@ struct broker {
     struct federation federation;
     struct retirement retirement;
     struct broker_counters counters;
-    muster_LockstepEnd lockstep_end;
     struct alerts alerts;
     struct limiter limiter;
     uint64_t orders;           /* mails routed */

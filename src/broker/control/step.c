@@ -298,24 +298,10 @@ static void lockstep_hold(struct broker *b, bool held)
     }
 }
 
-/* What comes from now on comes by the clock. */
-static void counters_keep(struct broker *b)
-{
-    const struct broker_counters *c = &b->counters;
-    b->lockstep_end =
-        (muster_LockstepEnd){.ended = b->lockstep_end.ended + 1,
-                             .sent = c->sent,
-                             .delivered = c->delivered,
-                             .waiting = c->waiting,
-                             .expired = c->expired,
-                             .refused = c->box_full + c->over_share + c->unknown_name + c->refused +
-                                        c->dropped + c->no_store};
-}
-
 static void lockstep_end(struct broker *b)
 {
     struct steps *l = &b->steps;
-    counters_keep(b);
+    steps_note_end(b); /* what comes from now on comes by the clock */
     l->awaits_moves = false;
     transfer_run_over(b, scope_refuses_move(SCOPE_RUN, SCOPE_OPEN));
     do { /* nothing that was admitted is lost */
@@ -394,7 +380,7 @@ static void deliveries_owe(struct broker *b)
     }
 }
 
-void step_set_roster(struct broker *b, const muster_Roster *roster)
+static void roster_take(struct broker *b, const muster_Roster *roster)
 {
     struct steps *l = &b->steps;
     bool same = clock_by_steps(&b->clock) &&
@@ -428,4 +414,16 @@ void step_set_roster(struct broker *b, const muster_Roster *roster)
         lockstep_start(b, roster, simulator);
     }
     deliveries_owe(b);
+}
+
+void broker_roster(struct broker *b, const muster_Roster *roster, uint64_t now_ns)
+{
+    MU_ASSERT(b->dispatch.open == MU_NONE);
+    clock_set_now(&b->clock, now_ns);
+    if (validate_step(roster->step, roster->step_ns, roster->lockstep) &&
+        validate_members(roster->simulator, roster->processes._buffer, roster->processes._length)) {
+        roster_take(b, roster);
+    } else {
+        b->counters.malformed++;
+    }
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file step.h
- * The end of a step of a lock step, in which all that the barrier has kept takes effect.
+ * The end of a step, in which all that was kept until then takes effect.
  */
 #ifndef MUSTER_BROKER_STEP_H
 #define MUSTER_BROKER_STEP_H
@@ -9,9 +9,6 @@
 #include "broker/base/base.h"
 
 struct broker;
-
-/** Starts, changes or ends the lock step; the roster is well formed. */
-void step_set_roster(struct broker *b, const muster_Roster *roster);
 
 /** All of a process's Up has been collected; the step may end with it. */
 void step_answered(struct broker *b, uint32_t place);

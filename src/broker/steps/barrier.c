@@ -62,6 +62,23 @@ void steps_set_held(struct broker *b, bool held)
     }
 }
 
+void steps_note_end(struct broker *b)
+{
+    const struct broker_counters *c = &b->counters;
+    b->steps.end = (muster_LockstepEnd){.ended = b->steps.end.ended + 1,
+                                        .sent = c->sent,
+                                        .delivered = c->delivered,
+                                        .waiting = c->waiting,
+                                        .expired = c->expired,
+                                        .refused = c->box_full + c->over_share + c->unknown_name +
+                                                   c->refused + c->dropped + c->no_store};
+}
+
+void steps_last_end(const struct steps *l, muster_BrokerStatus *status)
+{
+    status->lockstep = l->end;
+}
+
 /* --- collecting ------------------------------------------------------------------------------- */
 
 static void list_append(struct mail_list *list, struct mail *m)

@@ -165,6 +165,7 @@ struct steps {
     /* Mails from outside that took effect, in order, until the simulator has been told. */
     struct mail *told[STEPS_OUTSIDE_MAX];
     uint32_t told_count;
+    muster_LockstepEnd end; /* of the last one */
 };
 
 void steps_init(struct steps *l, uint32_t agents);
@@ -174,6 +175,10 @@ void steps_role_on(struct broker *b, uint32_t place, enum role_event event);
 
 /** Gives the agents of a process their scopes anew. */
 void steps_rescope_all(struct broker *b, uint32_t place);
+
+/** The lock step ends: notes what has been counted until now. */
+void steps_note_end(struct broker *b);
+void steps_last_end(const struct steps *l, muster_BrokerStatus *status);
 
 /** An agent has come to a process, has left it, or is of another kind now. */
 void steps_rescope(struct broker *b, uint32_t agent);
