@@ -28,8 +28,8 @@
  */
 
 /* CLOCK_COLLECTS: steps move it, and what is done now takes effect when the step ends;
- * CLOCK_STEP_ENDS: steps move it, and what is done now happens in every run. */
-enum clock_mode { CLOCK_WALL, CLOCK_COLLECTS, CLOCK_STEP_ENDS };
+ * CLOCK_COMMITS: steps move it, and what is done now happens in every run. */
+enum clock_mode { CLOCK_WALL, CLOCK_COLLECTS, CLOCK_COMMITS };
 
 struct clock {
     uint64_t now_ns;  /* the broker's clock, as last told */
@@ -50,9 +50,9 @@ void clock_set_now(struct clock *c, uint64_t now_ns);
 void clock_start(struct clock *c, uint64_t step_ns, uint64_t run_ns);
 
 /** A step ends at this time: between the two, what is done happens in every run. */
-void clock_step(struct clock *c, uint64_t run_ns);
-void clock_step_begin(struct clock *c);
-void clock_step_end(struct clock *c);
+void clock_advance(struct clock *c, uint64_t run_ns);
+void clock_commit_begin(struct clock *c);
+void clock_commit_end(struct clock *c);
 
 /** @return whether steps move the time */
 bool clock_by_steps(const struct clock *c);
@@ -270,11 +270,11 @@ enum quota_answer quota_ask(const struct quota_use *own, const struct quota_use 
 void quota_add(struct quota_use *use, const struct quota_use *more);
 void quota_subtract(struct quota_use *use, const struct quota_use *less);
 
-/* The store's accounts.  Those of the lock step are apart: what others send by the wall clock does
+/* The store's accounts.  Those inside a run are apart: what others send by the wall clock does
  * not change what a sender in it may send. */
 enum quota_side { QUOTA_OUTSIDE, QUOTA_INSIDE, QUOTA_SIDES };
 
-/* What both sides can hold together: others may have filled the store when a lock step begins, and
+/* What both sides can hold together: others may have filled the store when a run begins, and
  * that has its half all the same. */
 enum {
     QUOTA_MAILS_MAX = MU_MAILS_MAX + MU_MAILS_MAX / 2,
@@ -292,7 +292,7 @@ void quota_init(struct quota_accounts *a, uint32_t agents);
 /**
  * Books a mail on its sender's account, if that may be.
  *
- * @param halved  both sides are in use, and have one half of the store each: the lock step never
+ * @param halved  both sides are in use, and have one half of the store each: the run never
  * has more
  * @param urgent  a directive: it has no share, and a reserve that no other mail can take
  */
@@ -317,7 +317,7 @@ void quota_unbook(struct quota_accounts *a, enum quota_side side, uint32_t sende
 /*
  * The mails themselves: each is kept once, however many receivers it has.
  *
- * The memory, for mails that wait in boxes and for those that wait for the end of a lock step, is
+ * The memory, for mails that wait in boxes and for those that wait for the end of a step, is
  * cut into slabs; a slab holds records of one size class, from its
  * first use until the last of them goes.  Nothing is touched before it is needed, so that an idle
  * broker stays small.
@@ -370,11 +370,11 @@ struct mail {
     uint64_t order;               /* in which mails were routed */
     uint32_t sender;              /* an index of the registry */
     uint32_t only;        /* its one receiver, by another broker's word; MU_NONE: as dst says */
-    uint32_t kept_for;    /* the one that a lock step keeps it for; MU_NONE: for many, or unknown */
+    uint32_t kept_for;    /* the one that a step keeps it for; MU_NONE: for many, or unknown */
     uint32_t payer;       /* whose share it takes: the sender's, or the asker's */
     struct mu_list posts; /* its places in boxes */
     uint32_t unsettled;   /* receivers that have neither acknowledged it nor let it expire */
-    uint32_t veiled;      /* of them, outside a lock step that the sender is in */
+    uint32_t veiled;      /* of them, outside a run that the sender is in */
     uint32_t uses;        /* freed at 0 */
     uint32_t bytes;
     uint32_t size_class;
@@ -616,7 +616,7 @@ uint32_t mailbox_watched(const struct mailbox *m);
  */
 mu_result mailbox_put(struct mailbox *m, uint32_t agent, struct mail *mail, bool held);
 
-/** The post that a mail was given last is for one outside the lock step that its sender is in. */
+/** The post that a mail was given last is for one outside the run that its sender is in. */
 void mailbox_veil(struct mailbox *m, struct mail *mail);
 
 /** A held post may be handed out from now on. */

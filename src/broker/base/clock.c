@@ -19,20 +19,20 @@ void clock_start(struct clock *c, uint64_t step_ns, uint64_t run_ns)
     c->mail_lead_ns = mail_ns - (step_ns > 0 ? run_ns : c->now_ns);
 }
 
-void clock_step(struct clock *c, uint64_t run_ns)
+void clock_advance(struct clock *c, uint64_t run_ns)
 {
     c->run_ns = run_ns;
 }
 
-void clock_step_begin(struct clock *c)
+void clock_commit_begin(struct clock *c)
 {
     MU_ASSERT(c->mode == CLOCK_COLLECTS);
-    c->mode = CLOCK_STEP_ENDS;
+    c->mode = CLOCK_COMMITS;
 }
 
-void clock_step_end(struct clock *c)
+void clock_commit_end(struct clock *c)
 {
-    MU_ASSERT(c->mode == CLOCK_STEP_ENDS);
+    MU_ASSERT(c->mode == CLOCK_COMMITS);
     c->mode = CLOCK_COLLECTS;
 }
 

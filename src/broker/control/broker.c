@@ -12,7 +12,7 @@
 static const uint64_t RESEND_AFTER_NS = 1000000000;
 static const uint64_t HOLD_NS = 1500000000;
 
-/* The broker's own lines of the white pages: itself, and its parts, which members of a lock step
+/* The broker's own lines of the white pages: itself, and its parts, which members of a run
  * are not shown. */
 static void broker_enlist(struct broker *b, const struct broker_options *options)
 {

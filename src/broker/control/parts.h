@@ -10,7 +10,7 @@
  *   delivery    what is ready for a process, as one Delivery
  *   mail        receivers, quota, boxes, outcomes; snapshots and probes; the journal
  *   directory   groups, services, standing queries; the trust policy and its audit log
- *   lockstep    the barrier
+ *   steps       what is collected of a step; the rules that keep a run apart
  *   names       names and their bearers, in which process, beyond which broker
  *   base        time, versions, limits, the rules of the wire, the pool of mails, boxes
  */
@@ -72,7 +72,7 @@ struct broker {
     struct alerts alerts;
     struct limiter limiter;
     uint64_t orders;           /* mails routed */
-    uint64_t answers[2];       /* of the broker itself: to members of the lock step, to others */
+    uint64_t answers[2];       /* of the broker itself: to agents inside, to others */
     char *page[REGISTRY_PAGE]; /* of the white pages, as it is published */
     char page_text[REGISTRY_PAGE][BROKER_LINE_MAX];
     muster_Counter part_counters[METRICS_MAX]; /* of the PartStatus given last */

@@ -117,7 +117,7 @@ static void replays_keep(struct broker *b, uint64_t run_ns)
 
 static void step_apply(struct broker *b)
 {
-    clock_step_begin(&b->clock);
+    clock_commit_begin(&b->clock);
     replays_keep(b, clock_run_ns(&b->clock));
     steps_order_turns(b);
     acks_apply(b);
@@ -129,7 +129,7 @@ static void step_apply(struct broker *b)
     route_resolve_expire(b, clock_mail_ns(&b->clock));
     steps_close_turns(&b->steps);
     settle_admit_due(b, clock_run_ns(&b->clock));
-    clock_step_end(&b->clock);
+    clock_commit_end(&b->clock);
 }
 
 static uint64_t step_time_ns(const struct broker *b, int64_t step)
@@ -141,7 +141,7 @@ static uint64_t step_time_ns(const struct broker *b, int64_t step)
 static void step_end(struct broker *b)
 {
     struct steps *l = &b->steps;
-    clock_step(&b->clock, step_time_ns(b, l->step + 1));
+    clock_advance(&b->clock, step_time_ns(b, l->step + 1));
     step_apply(b);
     l->step++;
     l->answered = 0;

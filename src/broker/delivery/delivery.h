@@ -23,7 +23,7 @@ struct broker;
  *
  * A multicast has mails that are next in the box of every agent that it names. A process gets a
  * Delivery of its own if it has something else to be told before, if its mail is kept on a disk, or
- * if it is in a lock step. Processes that it does not concern hear it, too, so that there are no
+ * if it goes by steps. Processes that it does not concern hear it, too, so that there are no
  * more of them than of the others.
  */
 
@@ -231,7 +231,7 @@ void dispatch_undelivered(struct broker *b);
 
 /**
  * Sets the delivery interval: from now on ordinary mail goes to a process at most once in so long;
- * directives and answers to registrations go at once.  In lock step it is rounded up to whole steps
+ * directives and answers to registrations go at once.  Inside, it is rounded up to whole steps
  * of simulated time.
  */
 void dispatch_set_interval(struct broker *b, uint64_t interval_ns);

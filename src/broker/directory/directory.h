@@ -34,18 +34,18 @@ struct broker;
  * Every change moves its line to the end of `changes`: that is where the keepers of lines elsewhere
  * (processes, a disk, other brokers) find what is new, each by the version that it has had.
  *
- * In lock step there are two views of groups.  What takes effect at the end of a step is seen by
- * all; what is said by the wall clock, outside the run, is not seen inside, where each line stays
- * as it was.
+ * While a run goes by steps there are two views of groups.  What takes effect at the end of a step
+ * is seen by all; what is said by the wall clock, outside the run, is not seen inside, where each
+ * line stays as it was.
  */
 
 enum lines_kind { LINES_GROUPS, LINES_SERVICES, LINES_KINDS };
 
 /* When something was said, and its receiver. */
 struct said {
-    uint64_t stamp_ns;  /* nanoseconds since 1970; in lock step, of the run */
+    uint64_t stamp_ns;  /* nanoseconds since 1970; inside, of the run */
     const char *origin; /* the broker; at most MU_NAME_MAX bytes */
-    bool inside;        /* takes effect at the end of a step of the lock step */
+    bool inside;        /* takes effect at the end of a step */
 };
 
 /* A line as processes, disks and other brokers have it. */
@@ -60,7 +60,7 @@ struct line_word {
 
 struct line {
     bool holds;        /* of the group's own line: it is there, even without members */
-    bool holds_inside; /* as it is seen in lock step */
+    bool holds_inside; /* as it is seen inside */
     uint64_t stamp_ns;
     char origin[MU_NAME_MAX + 1];
 };
@@ -134,10 +134,10 @@ const char *groups_join(struct lines *g, const char *group, const char *agent,
 const char *groups_leave(struct lines *g, const char *group, const char *agent,
                          const struct said *said);
 
-/** A lock step begins: inside, everything is seen as it is now. */
+/** A run by steps begins: inside, everything is seen as it is now. */
 void groups_freeze(struct lines *g);
 
-/** An agent enters the lock step: its lines are seen there as they are now. */
+/** An agent enters the run: its lines are seen there as they are now. */
 void groups_enter(struct lines *g, const char *agent);
 
 /** @return whether there is such a group */
@@ -160,7 +160,7 @@ const char *groups_name(const struct lines *g, bool inside, uint32_t *place);
 /* --- services.c ------------------------------------------------------------------------------ */
 
 /*
- * The yellow pages.  A lease counts on the mail clock, which in lock step is simulated; when it is
+ * The yellow pages.  A lease counts on the mail clock, which may be simulated; when it is
  * over, the line is as if withdrawn.  Whether an offer is shown depends on its agent, too: that is
  * the caller's to know.
  */
@@ -250,7 +250,7 @@ void subscriptions_forget(struct subscriptions *s, uint32_t line);
 
 struct process;
 
-/* Lines in one Delivery out of lock step; the others come in the next one. */
+/* Lines in one Delivery outside; the others come in the next one. */
 enum { PAGES_MEMBERSHIPS = 4096, PAGES_OFFERS = 1024 };
 
 struct pages {
@@ -258,15 +258,15 @@ struct pages {
     struct subscriptions subscriptions;
     muster_Membership *memberships; /* of the open Delivery */
     muster_Offer *offers;
-    bool asked_inside; /* a policy asks because of a directive from inside the lock step */
+    bool asked_inside; /* a policy asks because of a directive from inside */
 };
 
 void view_init(struct pages *p);
 
-/** @return whether the agent is in a lock step that is on */
+/** @return whether the agent is inside a run that goes by steps */
 bool view_inside(const struct broker *b, uint32_t agent);
 
-/** @return whether a line of the services is shown, to members of the lock step or to others */
+/** @return whether a line of the services is shown, to agents inside or to others */
 bool view_shows(const struct broker *b, uint32_t line, bool inside);
 
 /** What is said now: its stamp, and whether it takes effect inside.  Call before each change. */

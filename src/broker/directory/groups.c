@@ -87,7 +87,7 @@ const char *groups_leave(struct lines *g, const char *group, const char *agent,
     return NULL;
 }
 
-/* --- the lock step ---------------------------------------------------------------------------- */
+/* --- a run by steps --------------------------------------------------------------------------- */
 
 void groups_freeze(struct lines *g)
 {

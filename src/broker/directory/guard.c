@@ -115,7 +115,7 @@ uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, ui
     return numbers[false];
 }
 
-/* A member of a lock step is seen as other members see it, and so are all agents by it. */
+/* A member of a run is seen as other members see it, and so are all agents by it. */
 static bool is_asked_inside(const struct broker *b, uint32_t agent)
 {
     return b->pages.asked_inside || view_inside(b, agent);

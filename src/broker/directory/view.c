@@ -15,7 +15,7 @@ void view_init(struct pages *p)
     lines_init(&p->services, LINES_SERVICES);
     subscriptions_init(&p->subscriptions);
     p->services.told_to = &p->subscriptions;
-    /* In lock step one Delivery holds everything. */
+    /* Inside, one Delivery holds everything. */
     p->memberships = mu_startup_array(MU_MEMBERSHIPS_MAX, sizeof *p->memberships);
     p->offers = mu_startup_array(MU_SERVICES_MAX, sizeof *p->offers);
 }
@@ -77,7 +77,7 @@ uint64_t view_deadline_mail_ns(const struct broker *b)
     return b->pages.services.soonest_ns;
 }
 
-/* What was said in a lock step has a stamp of the run, and a lease that counts its time. */
+/* What was said inside has a stamp of the run, and a lease that counts its time. */
 uint64_t view_lease_ns(const struct broker *b, uint32_t line)
 {
     const struct line *at = &b->pages.services.at[line];

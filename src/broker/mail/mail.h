@@ -22,9 +22,9 @@ struct broker;
  * another process, or has set out anew, or stayed.  As long as no agent has the name, a host that
  * restores agents may ask for it.  docs/mobility.md has the order of events.
  *
- * In lock step the snapshot store holds the step while a snapshot is under way, and seats the agent
- * itself. So it does with agents that are new (clones, and those that are launched): of them it
- * keeps nothing once they live.
+ * Inside a run by steps the snapshot store holds the step while a snapshot is under way, and seats
+ * the agent itself. So it does with agents that are new (clones, and those that are launched): of
+ * them it keeps nothing once they live.
  */
 
 enum { SNAPSHOT_WORDS = 4 * MU_CAPSULES_MAX };
@@ -48,7 +48,7 @@ struct snapshot {
     uint32_t source, target;       /* places; MU_NONE: not known, or no more */
     uint32_t host;                 /* the agent that it wants to go to */
     bool in_step;                  /* it came with the answer to a step */
-    bool seated;                   /* a lock step has given its name to the target, and said so */
+    bool seated;                   /* a step has given its name to the target, and said so */
     bool holds;                    /* the step waits for it */
     uint64_t until_ns;             /* the host's word on it is awaited for so long */
     bool unsaved;                  /* the disk is to be told that it is there, or that it is free */
@@ -84,7 +84,7 @@ void snapshots_init(struct snapshots *d);
 void snapshots_process_gone(struct broker *b, uint32_t place);
 
 /** An agent was seated, or said something of itself: its snapshot may be of no use any more.  That
- * of one that a lock step has seated is kept until it has answered a step. */
+ * of one that a step has seated is kept until it has answered a step. */
 void snapshots_review(struct broker *b, uint32_t agent);
 
 /** An agent has answered a step, or acknowledged mail, from this process: if it has come there, it
@@ -93,7 +93,7 @@ void snapshots_heard(struct broker *b, uint32_t agent, uint32_t place);
 
 /** @return whether what a process says of an agent is of before it was taken from there, or of
  *          after it will have been seated there: neither is a claim on the name.  A registration
- *          says nothing of the step that it was written in, so that one of a lock step may be of
+ *          says nothing of the step that it was written in, so that one of a run may be of
  *          any life that a name has had in it */
 bool snapshots_overrule(const struct broker *b, uint32_t agent, uint32_t place,
                         const struct presence *is);
@@ -363,7 +363,7 @@ void journal_list(struct journal *j, struct mail *m);
 
 void journal_remove(struct journal *j, struct mail *m);
 
-/** When the run that goes on by the wall was at 0; a lock step's time stands still without us. */
+/** When the run that goes on by the wall was at 0; the time of steps stands still without us. */
 uint64_t journal_run_wall_ns(const struct broker *b);
 
 /* --- recipients.c ---------------------------------------------------------------------------- */
@@ -396,7 +396,7 @@ struct recipients {
     uint32_t count;
     uint32_t unknown; /* names that no agent ever had */
     uint32_t refused; /* agents that the sender may not direct: not among these */
-    uint32_t veiled;  /* those outside the lock step that the sender is in; set by deliver_book */
+    uint32_t veiled;  /* those outside the run that the sender is in; set by deliver_book */
 };
 
 /**
@@ -417,7 +417,7 @@ void recipients_of_names(struct broker *b, const char *names, uint32_t sender,
 
 /**
  * Finds the agents that a resolver has named: the sender, and unknown names, are left out; members
- * of the lock step can be among them only when a step ends.
+ * of the run can be among them only when a step ends.
  *
  * @param names  fields of content
  * @param to     out: one unknown name, if none is left: an address that no agent fits
@@ -426,7 +426,7 @@ void recipients_of_answer(struct broker *b, const char *names, uint32_t sender,
                           struct recipients *to);
 
 /**
- * @return whether the agent is outside a lock step that the mail's sender is in: what becomes of
+ * @return whether the agent is outside a run that the mail's sender is in: what becomes of
  *         the mail there, and when, is no business of those inside
  */
 bool recipients_veils(const struct broker *b, const struct mail *m, uint32_t agent);
@@ -437,7 +437,7 @@ void recipients_unveil(const struct broker *b, const struct mail *m, struct reci
 /** @return the agent in whose name it is to change something, if it names one; else MU_NONE */
 uint32_t recipients_named(const struct broker *b, const struct mail *question);
 
-/** @return whether it is a change that names a member of the lock step */
+/** @return whether it is a change that names an agent inside */
 bool recipients_has_member_change(const struct broker *b, const struct mail *question);
 
 /* --- ledger.c -------------------------------------------------------------------------------- */
@@ -454,7 +454,7 @@ bool ledger_charge(struct broker *b, struct mail *m, uint32_t posts);
 bool ledger_restore(struct broker *b, struct mail *m, uint32_t posts);
 
 /**
- * Books places in boxes outside the lock step that the sender is in.  They are not on its account
+ * Books places in boxes outside the run that the sender is in.  They are not on its account
  * inside, where its room must not depend on acknowledgements by the wall clock.
  *
  * @return false: refused and counted; no member inside may be told
@@ -500,7 +500,7 @@ void outcome_tick(struct broker *b);
 
 /* --- settle.c -------------------------------------------------------------------------------- */
 
-/** Refuses an admitted mail for which a lock step has no more room. */
+/** Refuses an admitted mail for which a step has no more room. */
 void settle_turn_away(struct broker *b, struct mail *m);
 
 /** Drops an admitted mail that is not to take effect; its sender is told. */
@@ -536,7 +536,7 @@ uint64_t settle_deadline_ns(const struct broker *b);
 
 /**
  * Books a mail on its sender's account with the store.  Where there is no room for those outside
- * the lock step that the sender is in, they are taken out of the audience.
+ * the run that the sender is in, they are taken out of the audience.
  *
  * @return false: refused, counted, told, and freed
  */
@@ -598,7 +598,7 @@ void answer_ask(struct broker *b, uint32_t receiver, const char *performative,
  * Addresses SCHEME:REST that an agent resolves: the mail waits while that one is asked.
  *
  * Asked is the first agent in order of name that is there and offers the service `resolver` with
- * the attribute scheme=SCHEME; in a lock step, only members of it are asked.  The question is a
+ * the attribute scheme=SCHEME; inside, only members are asked.  The question is a
  * mail of the broker in layer 2:
  *
  *   resolve  "SCHEME:REST" SENDER  ->  inform   NAME NAME ...   receivers of the mail
@@ -608,7 +608,7 @@ void answer_ask(struct broker *b, uint32_t receiver, const char *performative,
  * an address wait until it is resolved, so that they arrive in order; mail to the broker does not.
  */
 
-/* How long an answer may take: out of lock step, and in it. */
+/* How long an answer may take: outside, and inside. */
 enum { RESOLVE_PATIENCE_MS = 1000, RESOLVE_PATIENCE_STEPS = 10 };
 
 enum resolve_state {
@@ -630,13 +630,13 @@ struct resolve_wait {
 };
 
 struct resolve {
-    struct resolve_wait *waits; /* MU_RESOLVE_MAX for members of the lock step, and for others */
+    struct resolve_wait *waits; /* MU_RESOLVE_MAX inside, and as many outside */
     struct mu_pool pool;
     uint32_t side_count[QUOTA_SIDES];
     struct mu_list *queues; /* of each agent of the registry */
     struct mu_list waits_asked;
     uint64_t soonest_ns;     /* no patience ends before this, mail clock */
-    uint64_t tickets[2];     /* given for questions to others, to members of the lock step */
+    uint64_t tickets[2];     /* given for questions outside, and inside */
     uint64_t asked, refused; /* questions; answers that were not asked for, or not any more */
 };
 
@@ -668,7 +668,7 @@ uint32_t resolve_take_answer(struct broker *b, struct mail *m);
 /** Ends a wait for an answer that is overdue.  @param mail_ns  the mail clock */
 uint32_t resolve_overdue(struct broker *b, uint64_t mail_ns);
 
-/** Ends a wait, because a lock step begins: no question from before has a place in it. */
+/** Ends a wait, because a run begins: no question from before has a place in it. */
 uint32_t resolve_give_up(struct broker *b);
 
 /**

@@ -70,7 +70,7 @@ void recipients_of_answer(struct broker *b, const char *names, uint32_t sender,
 
 /* --- by group --------------------------------------------------------------------------------- */
 
-/* Members of a group that are in the lock step, or that are not. Which are the former is for those
+/* Members of a group that are inside, or that are not. Which are the former is for those
  * inside to say, whatever another broker has said meanwhile. */
 static void recipients_of_members(struct broker *b, const char *group, bool inside, uint32_t sender,
                                   struct recipients *to)
@@ -84,7 +84,7 @@ static void recipients_of_members(struct broker *b, const char *group, bool insi
     }
 }
 
-/* The members of a group, the absent ones, too.  Members of the lock step know no other groups than
+/* The members of a group, the absent ones, too.  Members of a run know no other groups than
  * those that are seen inside. */
 static void recipients_of_group(struct broker *b, const char *group, uint32_t sender,
                                 struct recipients *to)
@@ -107,7 +107,7 @@ static bool kind_is_addressed(enum mu_address_kind kind, muster_Kind of)
            (kind == MU_ADDRESS_SPECIAL && of == muster_KIND_SPECIAL);
 }
 
-/* A broadcast from inside the lock step does not go beyond the broker: agents there are known by
+/* A broadcast from inside does not go beyond the broker: agents there are known by
  * the wall clock. */
 static bool is_too_far(const struct broker *b, uint32_t agent, uint32_t sender)
 {

@@ -7,11 +7,11 @@
 
 #include <string.h>
 
-/* So long a host may be silent, with a lock step that waits for it, or with an agent that no other
+/* So long a host may be silent, with a run that waits for it, or with an agent that no other
  * process has: less than a simulator waits for any process. */
 static const uint64_t HOST_NS = 3000000000;
 
-/* A process that is gone by the network's word may have been slow only: a lock step waits for so
+/* A process that is gone by the network's word may have been slow only: a run waits for so
  * long. */
 static const uint64_t LOSS_NS = 1000000000;
 

@@ -110,7 +110,7 @@ static uint32_t copy_claim(const struct broker *b, uint32_t agent)
     return i;
 }
 
-/* A name without a bearer goes to the process that waits for it, if a lock step lets it. */
+/* A name without a bearer goes to the process that waits for it, if a run lets it. */
 static void claims_grant(struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
@@ -207,7 +207,7 @@ void lifecycle_depart(struct broker *b, uint32_t agent)
     residents_remove(&b->registry, &b->processes, agent);
     registry_unseat(&b->registry, agent, clock_wall_ns(&b->clock));
     steps_rescope(b, agent);
-    a->ended = b->clock.mode == CLOCK_STEP_ENDS;
+    a->ended = b->clock.mode == CLOCK_COMMITS;
     a->passed = a->ended;
     mailbox_unwatch(&b->mailbox, agent);
     mailbox_repeat(&b->mailbox, agent);

@@ -33,7 +33,7 @@ void lifecycle_reregister(struct broker *b, uint32_t agent, uint32_t slot, struc
 /** An agent's state changes, and with it perhaps what it may be handed. */
 void lifecycle_set_state(struct broker *b, uint32_t agent, muster_State state);
 
-/** The lock step has let go of a process: departures that it held up take place. */
+/** The run has let go of a process: departures that it held up take place. */
 void lifecycle_settle(struct broker *b, uint32_t place);
 
 /** A process that has waited long enough for a name is given it, if it is free, and else refused.
@@ -129,7 +129,7 @@ uint64_t announce_deadline_ns(const struct broker *b);
 /*
  * Names end when room is needed: those whose agents have been absent for long enough, and that hold
  * nothing that may be asked for: mail in a box or on its way, sent or awaited, a group, a
- * snapshot, a claim, a probe.  While a lock step is on none ends.
+ * snapshot, a claim, a probe.  While a run goes by steps none ends.
  *
  * Many parts of the broker keep indices of agents.  Those that are in use are found anew each time,
  * by a look at all of them: nothing has to be counted.

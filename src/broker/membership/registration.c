@@ -239,7 +239,7 @@ static uint32_t place_hear(struct broker *b, const muster_Registration *r)
     at->incarnation = r->incarnation;
     if (at->watches != r->watches) {
         at->watches = r->watches;
-        steps_rescope_all(b, place);
+        steps_mark_residents(b, place);
     }
     if (at->lost) {
         at->lost = false;

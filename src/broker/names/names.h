@@ -75,7 +75,7 @@ struct agent {
     char place[MU_PROCESS_MAX + 1]; /* its process, or the last one that it had */
     uint32_t process;               /* MU_NONE when absent */
     uint8_t scope;                  /* enum scope: see steps.h */
-    uint32_t left;                  /* the seat that a lock step took it from, or MU_NONE */
+    uint32_t left;                  /* the seat that a step took it from, or MU_NONE */
     uint64_t left_wall_ns;          /* since when the agent that left it had its name */
     uint32_t claim;                 /* the first one on its name: see claims.h; MU_NONE: none */
     struct resident resident;       /* while it has a process */
@@ -95,12 +95,12 @@ struct agent {
     uint64_t step_version;  /* of its line when a step ended, if more was said of it since */
     bool verdict_due;
     bool seated;     /* it has acknowledged a later one */
-    bool let_go;     /* a lock step waits for it to come back in another process */
+    bool let_go;     /* a run waits for it to come back in another process */
     bool handed;     /* the broker has given it to its process, which has not said since when it is
                         there */
-    bool gone;       /* its process went in lock step: counts when that ends */
-    bool ended;      /* it was disposed of in lock step, whose members are to know */
-    bool passed;     /* a lock step has taken the name from a process since it began */
+    bool gone;       /* its process went inside a run: counts when that ends */
+    bool ended;      /* it was disposed of inside a run, whose members are to know */
+    bool passed;     /* a run has taken the name from a process since it began */
     bool unsaved;    /* the journal has to write its line */
     bool ram_behind; /* it has sent mail in RAM behind durable_order */
     bool awaited; /* it went without a word, or an earlier life of the broker knew it: its receipts
@@ -302,7 +302,7 @@ struct process {
     bool flooded;          /* its last Delivery had many mails: see pacing.h */
     bool flood_queued;     /* among the places that are held for that */
     bool hears;            /* multicasts */
-    bool overruled;        /* a lock step has passed over a name that it asked for */
+    bool overruled;        /* a run has passed over a name that it asked for */
     bool is_broker;        /* a broker, and its agents live beyond it */
     uint64_t incarnation;  /* of the process */
     uint32_t flooded_from; /* the place that the last of those mails came from, or MU_NONE */

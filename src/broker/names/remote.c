@@ -167,7 +167,7 @@ static uint64_t lane_after(const struct broker *b, uint64_t last)
 }
 
 /* A name that no agent has had yet begins at 1 everywhere, as long as all brokers would hear of it;
- * and in a lock step all numbers are those of a run with one broker. */
+ * and in a run by steps all numbers are those of a run with one broker. */
 uint64_t remote_begin_seq(const struct broker *b, uint32_t agent)
 {
     const struct federation *l = &b->federation;

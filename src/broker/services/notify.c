@@ -111,7 +111,7 @@ void notify_expire(struct broker *b, uint64_t mail_ns)
     notify_tell(b);
 }
 
-/* --- the lock step ---------------------------------------------------------------------------- */
+/* --- a run by steps --------------------------------------------------------------------------- */
 
 static void subscribers_review(struct broker *b, bool silently)
 {

@@ -27,9 +27,9 @@ struct broker;
  *
  *   state  to broker.PART  ->  inform   PART COUNTER NUMBER COUNTER NUMBER ...
  *          to broker       ->  inform   broker PART.COUNTER NUMBER ...
- *          in lock step    ->  failure  in-lock-step
+ *          inside          ->  failure: see scope_refuses_counters()
  *
- * Members of a lock step are not told: counters depend on the wall clock.
+ * A member of a run is not told: counters depend on the wall clock.
  */
 
 /* The broker's parts, by their index in the white pages; 0 there is the broker itself. */
@@ -212,7 +212,7 @@ void notify_presence(struct broker *b, uint32_t agent);
 /** Ends leases.  @param mail_ns  the mail clock */
 void notify_expire(struct broker *b, uint64_t mail_ns);
 
-/** A lock step begins, ends, takes in an agent. */
+/** A run that goes by steps begins, ends, takes in an agent. */
 void notify_freeze(struct broker *b);
 void notify_thaw(struct broker *b);
 void notify_enter(struct broker *b, uint32_t agent);

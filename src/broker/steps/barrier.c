@@ -32,7 +32,7 @@ void steps_rescope(struct broker *b, uint32_t agent)
                               b->steps.held && a->is.kind == muster_KIND_ROBOT);
 }
 
-void steps_rescope_all(struct broker *b, uint32_t place)
+void steps_mark_residents(struct broker *b, uint32_t place)
 {
     for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
          agent = residents_next(&b->registry, &b->processes, agent)) {
@@ -50,7 +50,7 @@ void steps_role_on(struct broker *b, uint32_t place, enum role_event event)
     }
     if (b->processes.at[place].scope != scope_of_role(m->role)) {
         b->processes.at[place].scope = scope_of_role(m->role);
-        steps_rescope_all(b, place);
+        steps_mark_residents(b, place);
     }
 }
 

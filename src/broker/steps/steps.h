@@ -174,7 +174,7 @@ void steps_init(struct steps *l, uint32_t agents);
 void steps_role_on(struct broker *b, uint32_t place, enum role_event event);
 
 /** Gives the agents of a process their scopes anew. */
-void steps_rescope_all(struct broker *b, uint32_t place);
+void steps_mark_residents(struct broker *b, uint32_t place);
 
 /** The lock step ends: notes what has been counted until now. */
 void steps_note_end(struct broker *b);
