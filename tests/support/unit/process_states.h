@@ -31,7 +31,8 @@ static inline bool process_states_legal(const struct broker *b)
         char session[] = {at->used ? 'u' : '-', at->matched ? 'm' : '-', at->hears ? 'h' : '-',
                           at->lost ? 'l' : '-', 0};
         char turn[] = {at->queued ? 'q' : '-', at->held ? 'h' : '-', at->blocked ? 'b' : '-', 0};
-        legal = legal && process_states_has(sessions, session) && process_states_has(turns, turn) && (at->used || !at->blocked);
+        legal = legal && process_states_has(sessions, session) && process_states_has(turns, turn) &&
+                (at->used || !at->blocked);
     }
     return legal;
 }
