@@ -29,6 +29,8 @@ static struct mu_option option_table[] = {
             .min = 0.02, .max = 1e6),
     MU_REAL("rate", "R", chosen.rate, "times real time; 0: as fast as it goes", .fallback = "0",
             .environment = "MUSTER_RATE", .max = 1e6),
+    MU_FLAG("watch", chosen.watch,
+            "open the live page in a browser, or say its address; the rate is 1 unless it is said"),
     MU_FLAG("free", chosen.free, "real time without lock step"),
     MU_LIST("set", "KEY=VALUE", chosen_set,
             "override a value of the file, for example robots.red.rules=x.clp"),
@@ -92,6 +94,14 @@ static mu_result options_parse(struct run_options *out, int argc, char **argv)
         strcmp(chosen.record, "full") != 0) {
         fprintf(stderr, "muster run: --record %s: expected none, run or full\n", chosen.record);
         return MU_FAULT_USAGE;
+    }
+    if (chosen.watch && chosen_seeds) {
+        fputs("muster run: --watch is for one run, and --seeds for several\n", stderr);
+        return MU_FAULT_USAGE;
+    }
+    if (chosen.watch && !chosen.free &&
+        mu_options_find(&options, "rate")->source == MU_OPTION_DEFAULT) {
+        chosen.rate = 1.0;
     }
     chosen.file = options.words[0];
     chosen.set = chosen_set.items;

@@ -116,7 +116,8 @@ static bool part_restarts(const struct run *r, struct run_part part)
     case RUN_HOST: return r->experiment->on_crash == EXPERIMENT_RESTART;
     case RUN_CREW: return crew_restarts(r, part.index);
     case RUN_SIMULATOR: /* the world is in it alone */
-    case RUN_MONITOR: break;
+    case RUN_MONITOR:
+    case RUN_PAGE: break;
     }
     return false;
 }

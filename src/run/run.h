@@ -24,6 +24,7 @@ struct run_options {
     double duration_s;    /* < 0: the file's */
     double rate, limit_s;
     bool free, quiet, json, no_spread, no_diary, programs;
+    bool watch; /* the live page is opened beside it */
     const char *out, *record, *inputs, *root;
     const char *const *set;
     size_t set_count;
@@ -33,7 +34,15 @@ struct run_options {
 };
 
 /* A child, by what it is. */
-enum run_kind { RUN_BROKER, RUN_SIMULATOR, RUN_RESOLVER, RUN_HOST, RUN_CREW, RUN_MONITOR };
+enum run_kind {
+    RUN_BROKER,
+    RUN_SIMULATOR,
+    RUN_RESOLVER,
+    RUN_HOST,
+    RUN_CREW,
+    RUN_MONITOR,
+    RUN_PAGE
+};
 
 struct run_part {
     enum run_kind kind;

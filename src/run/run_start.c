@@ -297,7 +297,8 @@ mu_result run_start_again(struct run *r, struct child *child)
     case RUN_HOST: return host_start(r, e->hosts[part.index], child);
     case RUN_CREW: return crew_start(r, &e->crews[part.index], child);
     case RUN_SIMULATOR:
-    case RUN_MONITOR: break;
+    case RUN_MONITOR:
+    case RUN_PAGE: break;
     }
     return MU_REFUSED;
 }
@@ -340,6 +341,20 @@ static mu_result monitors_start(struct run *r)
     return MU_OK;
 }
 
+/* The page's end, however it comes, is none that matters.  No agent's name has a space. */
+static mu_result page_start(struct run *r)
+{
+    const char *port = getenv("MUSTER_WEB_PORT");
+    part_note(r, RUN_PAGE, 0);
+    supervise_words("muster-web");
+    supervise_word("--open");
+    supervise_word("--domain=%d", r->domain);
+    supervise_word("--port=%s", port && port[0] ? port : "0");
+    MU_TRY(supervise_start_wide(&r->children, "the page", "muster-web", supervise_words_end()));
+    supervise_find(&r->children, "the page")->excused = true;
+    return MU_OK;
+}
+
 mu_result run_start(struct run *r)
 {
     r->parts = mu_startup_array(SUPERVISE_CHILDREN_MAX, sizeof *r->parts);
@@ -367,5 +382,6 @@ mu_result run_start(struct run *r)
             MU_TRY(crew_start(r, &r->experiment->crews[i], NULL));
         }
     }
-    return monitors_start(r);
+    MU_TRY(monitors_start(r));
+    return r->options.watch ? page_start(r) : MU_OK;
 }

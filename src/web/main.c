@@ -23,7 +23,7 @@ enum { ROUND_MS = 50 };
 struct settings {
     struct mu_network network;
     int64_t port;
-    bool read_only, verbose;
+    bool read_only, open, verbose;
     const char *recording; /* NULL: a run is shown */
 };
 
@@ -46,6 +46,7 @@ static mu_result settings_parse(struct settings *set, int argc, char **argv)
         MU_INTEGER("port", "N", set->port, "listen on this port of 127.0.0.1; 0: on any free one",
                    .letter = 'p', .fallback = "8642", .environment = "MUSTER_WEB_PORT",
                    .max = 65535),
+        MU_FLAG("open", set->open, "open the page in a browser: $BROWSER, else by xdg-open"),
         MU_FLAG("read-only", set->read_only, "nobody acts from this page, whatever token he has"),
         MU_OPTION_VERBOSE(set->verbose),
     };
@@ -131,9 +132,14 @@ static int page_open(struct web *w, const struct settings *set)
     if (opened != MU_OK) {
         return mu_exit_for(opened);
     }
-    printf("http://127.0.0.1:%u/%s%s\n", (unsigned)server_port(w->server),
-           w->guard.read_only ? "" : "#token=", w->guard.read_only ? "" : w->guard.token);
+    char address[64 + GUARD_TOKEN_DIGITS];
+    snprintf(address, sizeof address, "http://127.0.0.1:%u/%s%s", (unsigned)server_port(w->server),
+             w->guard.read_only ? "" : "#token=", w->guard.read_only ? "" : w->guard.token);
+    puts(address);
     fflush(stdout);
+    if (set->open) {
+        browser_open(address);
+    }
     return MU_EXIT_DONE;
 }
 
@@ -203,6 +209,7 @@ int main(int argc, char **argv)
         mu_memory_seal();
         code = web_run(&w);
         server_close(w.server);
+        browser_close();
     }
     sources_close(&w);
     return code;

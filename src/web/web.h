@@ -38,6 +38,14 @@ const struct asset *assets_find(const char *path);
 /** @return the index-th asset; NULL past the last */
 const struct asset *assets_at(size_t index);
 
+/* --- browser.c -------------------------------------------------------------------------------- */
+
+/** Opens an address in $BROWSER or by xdg-open, or says that a person has to. */
+void browser_open(const char *address);
+
+/** Takes away what browser_open left for the browser. */
+void browser_close(void);
+
 /* --- guard.c ---------------------------------------------------------------------------------- */
 
 /*

@@ -198,7 +198,7 @@ static void files_tell(const struct new_files *f)
     printf("%s  the experiment: robots, what is said to them, what is expected\n"
            "%s   the rules of its robot\n"
            "Try:\n"
-           "  muster run %s\n",
+           "  muster run %s --watch\n",
            f->path[0], f->path[1], f->path[0]);
 }
 
