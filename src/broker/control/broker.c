@@ -97,7 +97,7 @@ void broker_gone(struct broker *b, const char *process, uint32_t part, bool cras
     broker_enter(b, now_ns);
     uint32_t place =
         validate_string(process, MU_PROCESS_MAX) ? processes_find(&b->processes, process) : MU_NONE;
-    if (place != MU_NONE && b->processes.at[place].is_broker) {
+    if (place != MU_NONE && b->processes.at[place].kind == PROCESS_BROKER) {
         federation_lose(b, place);
     } else if (place != MU_NONE) {
         registration_gone(b, place, part, crashed);
@@ -125,7 +125,6 @@ void broker_matched(struct broker *b, const char *process, bool matched, uint64_
         return;
     }
     processes_set_matched(&b->processes, place, matched);
-    multicast_hears(b, place, false);
     if (matched) {
         place_matched(b, place);
         return;
@@ -142,7 +141,8 @@ void broker_matched(struct broker *b, const char *process, bool matched, uint64_
 void broker_read_anew(struct broker *b, const char *process)
 {
     uint32_t place = processes_find(&b->processes, process);
-    if (place != MU_NONE && b->processes.at[place].is_broker && b->processes.at[place].matched) {
+    if (place != MU_NONE && b->processes.at[place].kind == PROCESS_BROKER &&
+        processes_is_matched(&b->processes.at[place])) {
         lifecycle_tell_again(b, place);
     }
 }
@@ -150,8 +150,8 @@ void broker_read_anew(struct broker *b, const char *process)
 void broker_hears(struct broker *b, const char *process)
 {
     uint32_t place = processes_find(&b->processes, process);
-    if (place != MU_NONE && b->processes.at[place].matched) {
-        multicast_hears(b, place, true);
+    if (place != MU_NONE && processes_is_matched(&b->processes.at[place])) {
+        processes_session_on(&b->processes, place, SESSION_READS_MULTICASTS);
     }
 }
 
@@ -235,7 +235,7 @@ static void ack_take(struct broker *b, uint32_t place, const muster_Ack *ack)
 {
     uint32_t agent = agent_at(b, place, ack->box);
     if (agent == MU_NONE) { /* of another broker: the agent lives elsewhere by now */
-        b->counters.malformed += !b->processes.at[place].is_broker;
+        b->counters.malformed += b->processes.at[place].kind != PROCESS_BROKER;
         return;
     }
     snapshots_heard(b, agent, place);
@@ -279,7 +279,8 @@ void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
     }
     steps_open_turn(&b->steps);
     acks_take(b, place, up);
-    for (uint32_t i = 0; i < up->acts._length && !b->processes.at[place].is_broker; i++) {
+    for (uint32_t i = 0; i < up->acts._length && b->processes.at[place].kind != PROCESS_BROKER;
+         i++) {
         act_take(b, place, &up->acts._buffer[i], effect);
     }
     for (uint32_t i = 0; i < up->trips._length; i++) {

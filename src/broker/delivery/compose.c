@@ -38,7 +38,7 @@ static uint64_t mail_delay_ns(const struct broker *b, const struct mail *m)
 static uint64_t ttl_left_ns(const struct broker *b, const struct mail *m)
 {
     uint64_t mail_ns = clock_mail_ns(&b->clock), at_ns = m->at_ns[TIMERS_EXPIRY];
-    if (at_ns == 0 || !b->processes.at[b->dispatch.open].is_broker) {
+    if (at_ns == 0 || b->processes.at[b->dispatch.open].kind != PROCESS_BROKER) {
         return m->letter.ttl_ns;
     }
     return at_ns > mail_ns ? at_ns - mail_ns : 1;
@@ -100,8 +100,9 @@ static uint32_t receipts_fill(struct broker *b, uint32_t agent, muster_Delivery 
  * been had from its box, for another broker */
 static uint64_t verdict_number(struct broker *b, uint32_t agent)
 {
-    return b->processes.at[b->dispatch.open].is_broker ? mailbox_box(&b->mailbox, agent)->acked
-                                                       : remote_begin_seq(b, agent);
+    return b->processes.at[b->dispatch.open].kind == PROCESS_BROKER
+               ? mailbox_box(&b->mailbox, agent)->acked
+               : remote_begin_seq(b, agent);
 }
 
 static void welcome_add(struct broker *b, struct dispatch_part *part, muster_Delivery *d)
@@ -161,7 +162,8 @@ static void members_fill(struct broker *b, const struct process *at, muster_Deli
 {
     const struct changelog *c = &b->registry.changes;
     uint64_t upto = b->dispatch.open_version;
-    if (at->version_had >= upto || at->is_broker) { /* which is told by the announcement */
+    if (at->version_had >= upto ||
+        at->kind == PROCESS_BROKER) { /* which is told by the announcement */
         return;
     }
     /* With its first agent it learns which broker this is, and forgets what another one has told.

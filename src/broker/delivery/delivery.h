@@ -54,9 +54,6 @@ struct multicast {
     muster_Mail letters[BUS_CIRCULAR_LETTERS];
 };
 
-/** A place hears multicasts from now on (true), or no longer. */
-void multicast_hears(struct broker *b, uint32_t place, bool hears);
-
 /** So many processes read what goes to all, at any broker. */
 void multicast_read_by(struct broker *b, uint32_t readers);
 

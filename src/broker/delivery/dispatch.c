@@ -115,7 +115,7 @@ bool dispatch_next(struct broker *b, const char **process, muster_Delivery *d)
     }
     while ((place = processes_next(&b->processes)) != MU_NONE) {
         const struct process *at = &b->processes.at[place];
-        if (!at->used || !at->matched || at->blocked) {
+        if (!processes_is_matched(at) || at->blocked) {
             continue;
         }
         b->dispatch.open = place;

@@ -4,13 +4,6 @@
 #include "broker/control/parts.h"
 #include "core/sort.h"
 
-void multicast_hears(struct broker *b, uint32_t place, bool hears)
-{
-    struct process *at = &b->processes.at[place];
-    b->multicast.hearers += (uint32_t)hears - (uint32_t)at->hears;
-    at->hears = hears;
-}
-
 void multicast_read_by(struct broker *b, uint32_t readers)
 {
     b->multicast.readers = readers;
@@ -21,7 +14,7 @@ void multicast_note(struct broker *b, struct mail *m)
     struct multicast *c = &b->multicast;
     bool may = m->letter.level == muster_LEVEL_RAM && m->unsettled >= MULTICAST_PLACES_MIN &&
                b->dispatch.interval_ns == 0 && !scope_is_inside(names_scope(b, m->sender));
-    if (may && c->hearers >= MULTICAST_PLACES_MIN && c->count < MULTICAST_WAITING) {
+    if (may && b->processes.hearers >= MULTICAST_PLACES_MIN && c->count < MULTICAST_WAITING) {
         pool_keep(m);
         c->waiting[c->count++] = m;
     }
@@ -45,8 +38,8 @@ static void waiting_drop(struct broker *b, uint32_t count)
 /* @return whether a place has nothing else to be told before */
 static bool place_is_ready(const struct broker *b, const struct process *at)
 {
-    bool is_there = at->hears && at->matched && !at->blocked;
-    bool is_alone = !scope_is_paced(at->scope) && !at->is_broker;
+    bool is_there = processes_hears(at) && !at->blocked;
+    bool is_alone = !scope_is_paced(at->scope) && at->kind != PROCESS_BROKER;
     return is_there && is_alone && !at->held && !at->roll_call_due && at->refusals_count == 0 &&
            changelog_after(&b->registry.changes, at->version_had) == MU_NONE &&
            view_has_told(b, at);
@@ -169,7 +162,7 @@ static bool multicast_begin(struct broker *b)
     size_t room = MULTICAST_BYTES;
     boxes_find(b, c->waiting[0]);
     c->letters_count = 0;
-    uint32_t all = c->hearers > c->readers ? c->hearers : c->readers;
+    uint32_t all = b->processes.hearers > c->readers ? b->processes.hearers : c->readers;
     bool worth = c->places_count >= MULTICAST_PLACES_MIN && 2 * c->places_count >= all;
     while (worth && c->letters_count < c->count && letter_add(b, c->letters_count, &room)) {
     }

@@ -31,7 +31,7 @@ static bool disturbs(const struct broker *b, uint32_t place)
 static bool is_flooded(const struct broker *b, uint32_t place)
 {
     const struct process *at = &b->processes.at[place];
-    bool is_one = !scope_is_paced(at->scope) && !at->is_broker;
+    bool is_one = !scope_is_paced(at->scope) && at->kind != PROCESS_BROKER;
     return at->flooded && is_one && disturbs(b, place);
 }
 

@@ -40,7 +40,7 @@ bool view_shows(const struct broker *b, uint32_t line, bool inside)
 
 bool view_place_is_told(const struct process *at)
 {
-    return at->used && at->matched && (at->agents_count > 0 || at->is_broker) &&
+    return processes_is_matched(at) && (at->agents_count > 0 || at->kind == PROCESS_BROKER) &&
            scope_is_shown_lines(at->scope);
 }
 
@@ -121,14 +121,14 @@ static void offers_fill(struct broker *b, const struct process *at, muster_Deliv
          line != MU_NONE && d->offers._length < max; line = changelog_next(&s->changes, line)) {
         /* Another broker sees for itself what it shows. */
         struct line_word w = lines_word(s, line, inside);
-        d->offers._buffer[d->offers._length++] =
-            (muster_Offer){.service = sample_text(w.key),
-                           .agent = sample_text(w.agent),
-                           .offered = at->is_broker ? w.present : view_shows(b, line, inside),
-                           .attributes = sample_text(w.attributes),
-                           .lease_ns = at->is_broker ? view_lease_ns(b, line) : w.lease_ns,
-                           .stamp_ns = w.stamp_ns,
-                           .origin = sample_text(w.origin)};
+        d->offers._buffer[d->offers._length++] = (muster_Offer){
+            .service = sample_text(w.key),
+            .agent = sample_text(w.agent),
+            .offered = at->kind == PROCESS_BROKER ? w.present : view_shows(b, line, inside),
+            .attributes = sample_text(w.attributes),
+            .lease_ns = at->kind == PROCESS_BROKER ? view_lease_ns(b, line) : w.lease_ns,
+            .stamp_ns = w.stamp_ns,
+            .origin = sample_text(w.origin)};
         s->open = changelog_version(&s->changes, line);
     }
 }

@@ -104,7 +104,7 @@ static uint32_t place_of(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
     bool there = a->process != MU_NONE && !a->gone && a->is.state != muster_STATE_MOVING;
-    return there && !b->processes.at[a->process].is_broker ? a->process : MU_NONE;
+    return there && b->processes.at[a->process].kind != PROCESS_BROKER ? a->process : MU_NONE;
 }
 
 static void ask_take(struct broker *b, uint32_t from, uint32_t asker, const muster_Glance *asked)

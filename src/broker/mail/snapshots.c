@@ -46,7 +46,7 @@ static bool word_is_void(const struct broker *b, const struct snapshot_word *w)
 {
     const struct process *at = &b->processes.at[w->place];
     const struct snapshot *c = &b->snapshots.snapshots[w->snapshot];
-    if (!at->used || strcmp(at->name, w->process) != 0) {
+    if (at->session == SESSION_FREE || strcmp(at->name, w->process) != 0) {
         return true;
     }
     return w->word == muster_TRIP_ARRIVE &&

@@ -24,7 +24,7 @@ void federation_lose(struct broker *b, uint32_t place)
 {
     struct process *at = &b->processes.at[place];
     struct peer *p = remote_peer(b, remote_name(at->name));
-    at->lost = true;
+    processes_session_on(&b->processes, place, SESSION_SILENT);
     if (p) {
         routes_lose(b, p);
         (void)remote_peer_on(&b->federation, p, PEER_LOST);
@@ -63,13 +63,14 @@ static uint32_t place_hear(struct broker *b, struct peer *p)
         return MU_NONE;
     }
     struct process *at = &b->processes.at[place];
-    at->is_broker = true;
+    at->kind = PROCESS_BROKER;
     at->incarnation = p->incarnation;
-    if (p->state != PEER_THERE || at->lost) { /* what it said while it was not heard */
+    if (p->state != PEER_THERE ||
+        processes_is_silent(at)) { /* what it said while it was not heard */
         at->roll_call_due = true;
         processes_wake(&b->processes, place);
     }
-    at->lost = false;
+    processes_session_on(&b->processes, place, SESSION_HEARD);
     (void)remote_peer_on(&b->federation, p, PEER_ANNOUNCES);
     return place;
 }

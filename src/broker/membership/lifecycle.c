@@ -211,9 +211,9 @@ void lifecycle_depart(struct broker *b, uint32_t agent)
     a->passed = a->ended;
     mailbox_unwatch(&b->mailbox, agent);
     mailbox_repeat(&b->mailbox, agent);
-    if (b->processes.at[place].is_broker) {
+    if (b->processes.at[place].kind == PROCESS_BROKER) {
         a->awaited = true; /* it is only out of sight: what it is to be told waits */
-    } else if (b->processes.at[place].lost && a->claim == MU_NONE) {
+    } else if (processes_is_silent(&b->processes.at[place]) && a->claim == MU_NONE) {
         settle_await(b, agent);
     } else {
         receipts_drop(&b->receipts, agent, receipts_count(&b->receipts, agent));
@@ -324,7 +324,7 @@ static void route_use(struct broker *b, uint32_t agent, const struct peer *p)
 static void route_choose(struct broker *b, uint32_t agent, bool echoes)
 {
     const struct agent *a = &b->registry.agents[agent];
-    bool is_here = a->process != MU_NONE && !b->processes.at[a->process].is_broker;
+    bool is_here = a->process != MU_NONE && b->processes.at[a->process].kind != PROCESS_BROKER;
     struct peer *p = remote_best_peer(b, agent);
     const struct route *route = p ? &p->routes[agent] : NULL;
     if (is_here) {

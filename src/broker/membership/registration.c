@@ -125,7 +125,7 @@ static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uin
         lifecycle_review(b, agent);
     } else if (a->process == place) {
         lifecycle_reregister(b, agent, slot, is);
-    } else if (b->processes.at[a->process].is_broker &&
+    } else if (b->processes.at[a->process].kind == PROCESS_BROKER &&
                a->is.since_wall_ns == is->since_wall_ns) { /* it has moved here */
         lifecycle_move(b, agent, place, slot, is);
     } else if (outlived_a_broker(b, agent, is)) {
@@ -237,12 +237,13 @@ static uint32_t place_hear(struct broker *b, const muster_Registration *r)
         view_forget_told(at);
     }
     at->incarnation = r->incarnation;
-    if (at->watches != r->watches) {
-        at->watches = r->watches;
+    enum process_kind kind = r->watches ? PROCESS_ONLOOKERS : PROCESS_PLAIN;
+    if (at->kind != kind) {
+        at->kind = kind;
         steps_mark_residents(b, place);
     }
-    if (at->lost) {
-        at->lost = false;
+    if (processes_is_silent(at)) {
+        processes_session_on(&b->processes, place, SESSION_HEARD);
         at->roll_call_due = r->part > 0 || at->parts_top > 1;
         processes_wake(&b->processes, place);
     }
@@ -281,7 +282,7 @@ void registration_take(struct broker *b, const muster_Registration *r)
 void registration_gone(struct broker *b, uint32_t place, uint32_t part, bool crashed)
 {
     if (crashed) {
-        b->processes.at[place].lost = true;
+        processes_session_on(&b->processes, place, SESSION_SILENT);
         snapshots_process_gone(b, place);
         probes_gone(b, place);
         place_leave(b, place);

@@ -71,7 +71,7 @@ static void deposit_take(struct broker *b, uint32_t place, const muster_Trip *tr
     c->in_step = in_step;
     if (in_step) {
         c->phase = SNAPSHOT_STEP;
-    } else if (b->processes.at[b->registry.agents[host].process].is_broker) {
+    } else if (b->processes.at[b->registry.agents[host].process].kind == PROCESS_BROKER) {
         snapshots_tell(b, c, place, muster_TRIP_STORED, "");
     } else {
         snapshots_send(b, c);

@@ -17,7 +17,7 @@ void names_confirm(struct broker *b, uint32_t agent, uint64_t number)
 bool names_is_beyond(const struct broker *b, uint32_t agent)
 {
     uint32_t place = b->registry.agents[agent].process;
-    return place != MU_NONE && b->processes.at[place].is_broker;
+    return place != MU_NONE && b->processes.at[place].kind == PROCESS_BROKER;
 }
 
 void names_changed(struct broker *b)
@@ -26,7 +26,7 @@ void names_changed(struct broker *b)
         return;
     }
     for (uint32_t i = 0; i < b->processes.top; i++) {
-        if (b->processes.at[i].used && b->processes.at[i].matched) {
+        if (processes_is_matched(&b->processes.at[i])) {
             processes_wake(&b->processes, i);
         }
     }
@@ -58,13 +58,14 @@ void names_owe_verdict(struct broker *b, uint32_t agent)
     struct agent *a = &b->registry.agents[agent];
     a->seated = false;
     a->seated_above = mailbox_last_number(&b->mailbox, agent);
-    a->verdict_due = !b->processes.at[a->process].is_broker || mailbox_is_begun(&b->mailbox, agent);
+    a->verdict_due =
+        b->processes.at[a->process].kind != PROCESS_BROKER || mailbox_is_begun(&b->mailbox, agent);
 }
 
 void names_tell_number(struct broker *b, uint32_t agent)
 {
     struct agent *a = &b->registry.agents[agent];
-    if (a->process != MU_NONE && b->processes.at[a->process].is_broker) {
+    if (a->process != MU_NONE && b->processes.at[a->process].kind == PROCESS_BROKER) {
         a->verdict_due = true;
     }
 }

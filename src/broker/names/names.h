@@ -287,23 +287,47 @@ struct refusal {
     const char *reason;
 };
 
+/* What of a process is there: its reader (AWAY; THERE; HEARS, if it reads multicasts, too), and its
+ * writer (_SILENT: its liveliness has ended since it was heard last). */
+enum session {
+    SESSION_FREE, /* no process has the place */
+    SESSION_AWAY,
+    SESSION_THERE,
+    SESSION_HEARS,
+    SESSION_AWAY_SILENT,
+    SESSION_THERE_SILENT,
+    SESSION_HEARS_SILENT,
+    SESSIONS
+};
+
+enum session_event {
+    SESSION_ENTERS,
+    SESSION_MATCHED,
+    SESSION_UNMATCHED,
+    SESSION_READS_MULTICASTS,
+    SESSION_HEARD,
+    SESSION_SILENT,
+    SESSION_FORGOTTEN,
+    SESSION_EVENTS
+};
+
+/* ONLOOKERS: its agents have no bodies, and the special ones look on; BROKER: its agents live
+ * beyond that broker. */
+enum process_kind { PROCESS_PLAIN, PROCESS_ONLOOKERS, PROCESS_BROKER };
+
 struct process {
     char name[MU_PROCESS_MAX + 1];
     uint8_t scope; /* enum scope: see steps.h */
-    bool used;
-    bool matched;
-    bool watches;          /* its agents have no bodies: the special ones look on */
+    enum session session;
+    enum process_kind kind;
     bool queued;           /* in the queue of those to look at */
     bool held;             /* waits for the dispatcher to wake */
     bool blocked;          /* the network refused it; waits for the next try */
-    bool lost;             /* nothing was written for it since its liveliness ended */
     bool roll_call_due;    /* it is to say all its parts again */
     bool speaks;           /* its registration is just being taken in */
     bool flooded;          /* its last Delivery had many mails: see pacing.h */
     bool flood_queued;     /* among the places that are held for that */
-    bool hears;            /* multicasts */
     bool overruled;        /* a run has passed over a name that it asked for */
-    bool is_broker;        /* a broker, and its agents live beyond it */
     uint64_t incarnation;  /* of the process */
     uint32_t flooded_from; /* the place that the last of those mails came from, or MU_NONE */
     uint64_t flooded_until_ns;
@@ -330,6 +354,7 @@ struct processes {
     uint32_t used_count;
     uint32_t *unmatched; /* indices of those in use that have not matched */
     uint32_t unmatched_count;
+    uint32_t hearers; /* those that read multicasts */
     uint32_t blocked;
     bool all_awake;  /* since something happened to all, none has been looked at */
     uint32_t *queue; /* a ring of MU_PROCESSES_MAX */
@@ -351,6 +376,9 @@ void processes_tidy(struct processes *p, uint32_t place);
 
 void processes_set_matched(struct processes *p, uint32_t place, bool matched);
 
+/** Something happens to the reader or the writer of a process; our own code aborts if it cannot. */
+void processes_session_on(struct processes *p, uint32_t place, enum session_event event);
+
 /** Notes a refused registration; when there are too many, the process will ask again. */
 void processes_refuse(struct processes *p, uint32_t place, const char *name, muster_Refusal code,
                       const char *reason);
@@ -366,6 +394,15 @@ uint32_t processes_next(struct processes *p);
 
 /** The network refused it (true), or may be tried again (false). */
 void processes_set_blocked(struct processes *p, uint32_t place, bool blocked);
+
+/* --- processes_states.c ---------------------------------------------------------------------- */
+
+/** @return the next state, or SESSIONS: the event is illegal */
+enum session processes_next_session(enum session session, enum session_event event);
+
+bool processes_is_matched(const struct process *at);
+bool processes_hears(const struct process *at);
+bool processes_is_silent(const struct process *at);
 
 /* --- residents.c ----------------------------------------------------------------------------- */
 

@@ -22,14 +22,14 @@ uint32_t processes_find(const struct processes *p, const char *name)
 
 static bool place_is_needed(const struct process *at)
 {
-    return at->agents_count > 0 || at->claims > 0 || at->scope > 0 || at->matched || at->speaks ||
-           (at->is_broker && !at->lost);
+    return at->agents_count > 0 || at->claims > 0 || at->scope > 0 || processes_is_matched(at) ||
+           at->speaks || (at->kind == PROCESS_BROKER && !processes_is_silent(at));
 }
 
 /* A process that was turned down and never met: makes way only when its place is wanted. */
 static bool place_is_spare(const struct process *at)
 {
-    return !at->used || !place_is_needed(at);
+    return at->session == SESSION_FREE || !place_is_needed(at);
 }
 
 static void unmatched_add(struct processes *p, uint32_t place)
@@ -46,22 +46,38 @@ static void unmatched_remove(struct processes *p, uint32_t place)
     p->at[last].unmatched_at = entry;
 }
 
+static bool is_unmatched(const struct process *at)
+{
+    return at->session != SESSION_FREE && !processes_is_matched(at);
+}
+
+void processes_session_on(struct processes *p, uint32_t place, enum session_event event)
+{
+    struct process *at = &p->at[place];
+    bool waited = is_unmatched(at), heard = processes_hears(at);
+    at->session = processes_next_session(at->session, event);
+    MU_ASSERT(at->session < SESSIONS);
+    if (is_unmatched(at) != waited) {
+        (waited ? unmatched_remove : unmatched_add)(p, place);
+    }
+    p->hearers += (uint32_t)processes_hears(at) - (uint32_t)heard;
+}
+
 static void place_forget(struct processes *p, uint32_t place)
 {
     struct process *at = &p->at[place];
     bool gone = mu_table_remove(&p->names, at->name) == MU_OK;
-    MU_ASSERT(gone && !at->matched);
+    MU_ASSERT(gone);
     processes_set_blocked(p, place, false);
-    at->used = false;
+    processes_session_on(p, place, SESSION_FORGOTTEN);
     p->used_count--;
-    unmatched_remove(p, place);
 }
 
 static uint32_t place_free(struct processes *p)
 {
     if (p->used_count < p->top || p->top == MU_PROCESSES_MAX) {
         for (uint32_t i = 0; i < p->top; i++) {
-            if (!p->at[i].used) {
+            if (p->at[i].session == SESSION_FREE) {
                 return i;
             }
         }
@@ -89,32 +105,25 @@ uint32_t processes_get(struct processes *p, const char *name)
     struct process *at = &p->at[place];
     bool queued = at->queued; /* an earlier process left it in the queues: it stays there */
     bool flood_queued = at->flood_queued;
-    *at = (struct process){
-        .used = true, .queued = queued, .flood_queued = flood_queued, .seat = ++p->seats};
+    *at = (struct process){.queued = queued, .flood_queued = flood_queued, .seat = ++p->seats};
     bool fits = mu_text_copy(at->name, sizeof at->name, name);
     MU_ASSERT(fits && mu_table_put(&p->names, at->name, place) == MU_OK);
     p->used_count++;
-    unmatched_add(p, place);
+    processes_session_on(p, place, SESSION_ENTERS);
     return place;
 }
 
 void processes_tidy(struct processes *p, uint32_t place)
 {
     struct process *at = &p->at[place];
-    if (at->used && !place_is_needed(at) && at->refusals_count == 0) {
+    if (at->session != SESSION_FREE && !place_is_needed(at) && at->refusals_count == 0) {
         place_forget(p, place);
     }
 }
 
 void processes_set_matched(struct processes *p, uint32_t place, bool matched)
 {
-    struct process *at = &p->at[place];
-    if (matched && !at->matched) {
-        unmatched_remove(p, place);
-    } else if (!matched && at->matched) {
-        unmatched_add(p, place);
-    }
-    at->matched = matched;
+    processes_session_on(p, place, matched ? SESSION_MATCHED : SESSION_UNMATCHED);
     processes_set_blocked(p, place, false);
 }
 

@@ -28,7 +28,8 @@ void steps_rescope(struct broker *b, uint32_t agent)
         return;
     }
     const struct process *at = &b->processes.at[a->process];
-    a->scope = scope_of_agent(at->scope, at->watches && a->is.kind == muster_KIND_SPECIAL,
+    a->scope = scope_of_agent(at->scope,
+                              at->kind == PROCESS_ONLOOKERS && a->is.kind == muster_KIND_SPECIAL,
                               b->steps.held && a->is.kind == muster_KIND_ROBOT);
 }
 

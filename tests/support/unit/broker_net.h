@@ -427,7 +427,7 @@ static inline void net_match(int i)
         snprintf(place, sizeof place, "broker.%s", net_names[j]);
         uint32_t at = processes_find(&net.b[i]->processes, place);
         if (at != MU_NONE && net.link[i][j] && !net.mute[j] &&
-            !net.b[i]->processes.at[at].matched) {
+            !processes_is_matched(&net.b[i]->processes.at[at])) {
             broker_matched(net.b[i], place, true, net.now_ns);
         }
     }

@@ -21,18 +21,14 @@ static inline bool process_states_has(const char *const *legal, const char *foun
 /* @return whether each process is in a legal state */
 static inline bool process_states_legal(const struct broker *b)
 {
-    static const char *const sessions[] = {"---l", "----", "u---", "u--l", "um--",
-                                           "um-l", "umh-", "umhl", NULL};
     static const char *const turns[] = {"---", "q--", "-h-", "qh-", "--b",
                                         "q-b", "-hb", "qhb", NULL};
     bool legal = true;
     for (uint32_t i = 0; i < b->processes.top; i++) {
         const struct process *at = &b->processes.at[i];
-        char session[] = {at->used ? 'u' : '-', at->matched ? 'm' : '-', at->hears ? 'h' : '-',
-                          at->lost ? 'l' : '-', 0};
         char turn[] = {at->queued ? 'q' : '-', at->held ? 'h' : '-', at->blocked ? 'b' : '-', 0};
-        legal = legal && process_states_has(sessions, session) && process_states_has(turns, turn) &&
-                (at->used || !at->blocked);
+        legal = legal && process_states_has(turns, turn) &&
+                (at->session != SESSION_FREE || !at->blocked);
     }
     return legal;
 }

@@ -97,7 +97,7 @@ static void test_who_does_not_hear(void)
     story_ack("e", 2);
     say("all", "ho");
     EXPECT("all: a #3, b #3, c #3, d #3, e #3 | red/7 ho");
-    CU_ASSERT_EQUAL(story.b->multicast.hearers, 5);
+    CU_ASSERT_EQUAL(story.b->processes.hearers, 5);
     CU_ASSERT_EQUAL(story.gaps, 0);
 }
 
@@ -120,7 +120,7 @@ static void test_who_matches_anew(void)
 {
     crowd_of(5);
     story_match("p-a"); /* another reader, which may know nothing */
-    CU_ASSERT_EQUAL(story.b->multicast.hearers, 4);
+    CU_ASSERT_EQUAL(story.b->processes.hearers, 4);
     (void)story_collect();
     say("all", "hi");
     EXPECT("all: " REST(2) " | red/6 hi; a #2 red/6 hi");
@@ -132,7 +132,7 @@ static void test_who_matches_anew(void)
     EXPECT("all: a #4, " REST(4) " | red/8 hu");
     broker_matched(story.b, "p-a", false, story.now_ns);
     broker_hears(story.b, "p-a"); /* nobody is there */
-    CU_ASSERT_EQUAL(story.b->multicast.hearers, 4);
+    CU_ASSERT_EQUAL(story.b->processes.hearers, 4);
     say("all", "he");
     EXPECT("all: " REST(5) " | red/9 he");
     CU_ASSERT_EQUAL(story.gaps, 0);
@@ -598,7 +598,7 @@ static void test_all_leave_meanwhile(void)
     }
     EXPECT("");
     CU_ASSERT_EQUAL(story.b->multicast.count, 0);
-    CU_ASSERT_EQUAL(story.b->multicast.hearers, 0);
+    CU_ASSERT_EQUAL(story.b->processes.hearers, 0);
     crowd_join(4);
     EXPECT("");
     acknowledge(2);
