@@ -44,8 +44,7 @@ struct multicast {
     struct mail *waiting[MULTICAST_WAITING]; /* in the order in which they came */
     uint32_t count;
     uint64_t retry_ns; /* none goes out before */
-    uint32_t hearers;  /* places that hear them, */
-    uint32_t readers;  /* and processes, those of other brokers among them */
+    uint32_t readers;  /* processes that read them, those of other brokers among them */
     /* The open one: */
     struct multicast_box boxes[MULTICAST_BOXES]; /* in order of seats */
     uint32_t boxes_count, places_count, letters_count;
@@ -203,7 +202,6 @@ struct dispatch {
     uint64_t slept_ns;      /* of the mail clock: since when */
     bool awake;             /* ordinary mail goes out just now */
     bool worked;            /* something has gone out since it woke */
-    uint32_t held;          /* processes that wait for it to wake, at most */
     struct dispatch_counts count;
     uint64_t retry_ns; /* when blocked processes are tried again */
     bool open_trip;    /* it has this alone: */

@@ -48,13 +48,11 @@ static bool place_is_urgent(struct broker *b, uint32_t place)
 /* @return whether the process is held until the dispatcher wakes */
 static bool place_hold(struct broker *b, uint32_t place)
 {
-    struct dispatch *c = &b->dispatch;
-    struct process *at = &b->processes.at[place];
+    const struct process *at = &b->processes.at[place];
     if (scope_is_paced(at->scope) || compose_is_awake(b) || place_is_urgent(b, place)) {
         return false;
     }
-    c->held += !at->held;
-    at->held = true;
+    processes_turn_on(&b->processes, place, TURN_IS_HELD);
     return true;
 }
 
@@ -72,13 +70,12 @@ static void dispatch_wake(struct broker *b)
         return;
     }
     c->awake = true;
-    for (uint32_t i = 0; i < b->processes.top && c->held > 0; i++) {
-        if (b->processes.at[i].held) {
-            b->processes.at[i].held = false;
+    for (uint32_t i = 0; i < b->processes.top && b->processes.held > 0; i++) {
+        if (processes_is_held(&b->processes.at[i])) {
+            processes_turn_on(&b->processes, i, TURN_ROUND_BEGINS);
             processes_wake(&b->processes, i);
         }
     }
-    c->held = 0;
 }
 
 /* All that may be served have been. */
@@ -115,7 +112,7 @@ bool dispatch_next(struct broker *b, const char **process, muster_Delivery *d)
     }
     while ((place = processes_next(&b->processes)) != MU_NONE) {
         const struct process *at = &b->processes.at[place];
-        if (!processes_is_matched(at) || at->blocked) {
+        if (!processes_is_matched(at) || processes_is_refused(at)) {
             continue;
         }
         b->dispatch.open = place;
@@ -236,24 +233,24 @@ void dispatch_undelivered(struct broker *b)
     }
     compose_return(b, false);
     c->open_trip = c->open_glance = false;
-    if (b->processes.blocked == 0) {
+    if (b->processes.refused == 0) {
         uint64_t now_ns = b->clock.now_ns;
         c->retry_ns =
             now_ns > UINT64_MAX - DISPATCH_RETRY_NS ? UINT64_MAX : now_ns + DISPATCH_RETRY_NS;
     }
-    processes_set_blocked(&b->processes, c->open, true);
+    processes_turn_on(&b->processes, c->open, TURN_IS_REFUSED);
     c->open = MU_NONE;
 }
 
 void dispatch_tick(struct broker *b)
 {
     pacing_tick(b);
-    if (b->processes.blocked == 0 || b->dispatch.retry_ns > b->clock.now_ns) {
+    if (b->processes.refused == 0 || b->dispatch.retry_ns > b->clock.now_ns) {
         return;
     }
     for (uint32_t i = 0; i < b->processes.top; i++) {
-        if (b->processes.at[i].blocked) {
-            processes_set_blocked(&b->processes, i, false);
+        if (processes_is_refused(&b->processes.at[i])) {
+            processes_turn_on(&b->processes, i, TURN_IS_RETRIED);
             processes_wake(&b->processes, i);
         }
     }
@@ -261,8 +258,8 @@ void dispatch_tick(struct broker *b)
 
 uint64_t dispatch_deadline_ns(const struct broker *b)
 {
-    uint64_t wake_ns = b->dispatch.held > 0 ? b->dispatch.wake_ns : UINT64_MAX;
-    uint64_t retry_ns = b->processes.blocked > 0 ? b->dispatch.retry_ns : UINT64_MAX;
+    uint64_t wake_ns = b->processes.held > 0 ? b->dispatch.wake_ns : UINT64_MAX;
+    uint64_t retry_ns = b->processes.refused > 0 ? b->dispatch.retry_ns : UINT64_MAX;
     uint64_t flood_ns = pacing_deadline_ns(b);
     retry_ns = flood_ns < retry_ns ? flood_ns : retry_ns;
     return wake_ns < retry_ns ? wake_ns : retry_ns;

@@ -32,7 +32,7 @@ static bool is_flooded(const struct broker *b, uint32_t place)
 {
     const struct process *at = &b->processes.at[place];
     bool is_one = !scope_is_paced(at->scope) && at->kind != PROCESS_BROKER;
-    return at->flooded && is_one && disturbs(b, place);
+    return at->mails_had >= PACING_MANY && is_one && disturbs(b, place);
 }
 
 uint32_t pacing_room(const struct broker *b, uint32_t place)
@@ -45,8 +45,7 @@ bool pacing_hold(struct broker *b, uint32_t place)
     struct pacing *f = &b->pacing;
     struct process *at = &b->processes.at[place];
     bool holds = b->clock.now_ns < at->flooded_until_ns && is_flooded(b, place);
-    if (holds && !at->flood_queued) {
-        at->flood_queued = true;
+    if (holds && at->flood_wake_ns == 0) {
         at->flood_wake_ns = at->flooded_until_ns;
         f->ring[(f->head + f->count++) % MU_PROCESSES_MAX] = place;
     }
@@ -56,7 +55,7 @@ bool pacing_hold(struct broker *b, uint32_t place)
 void pacing_note_delivery(struct broker *b, uint32_t place, uint32_t mails, uint32_t from)
 {
     struct process *at = &b->processes.at[place];
-    at->flooded = mails >= PACING_MANY;
+    at->mails_had = mails;
     at->flooded_from = from;
     at->flooded_until_ns = b->clock.now_ns + PACING_PAUSE_NS;
 }
@@ -68,7 +67,7 @@ void pacing_tick(struct broker *b)
         uint32_t place = f->ring[f->head];
         f->head = (f->head + 1) % MU_PROCESSES_MAX;
         f->count--;
-        b->processes.at[place].flood_queued = false;
+        b->processes.at[place].flood_wake_ns = 0;
         processes_wake(&b->processes, place);
     }
 }

@@ -311,6 +311,30 @@ enum session_event {
     SESSION_EVENTS
 };
 
+/* Its turn to be served: _READY, it is in the queue of those to look at; HELD, ordinary mail waits
+ * for the dispatcher's next round; REFUSED, the network has refused its Delivery, which waits for
+ * the next try. */
+enum turn_state {
+    TURN_IDLE,
+    TURN_READY,
+    TURN_HELD,
+    TURN_HELD_READY,
+    TURN_REFUSED,
+    TURN_REFUSED_READY,
+    TURNS
+};
+
+enum turn_event {
+    TURN_WAKES,
+    TURN_LOOKED_AT,
+    TURN_IS_HELD,
+    TURN_ROUND_BEGINS,
+    TURN_IS_REFUSED,
+    TURN_IS_RETRIED,
+    TURN_IS_FORGOTTEN,
+    TURN_EVENTS
+};
+
 /* ONLOOKERS: its agents have no bodies, and the special ones look on; BROKER: its agents live
  * beyond that broker. */
 enum process_kind { PROCESS_PLAIN, PROCESS_ONLOOKERS, PROCESS_BROKER };
@@ -319,19 +343,16 @@ struct process {
     char name[MU_PROCESS_MAX + 1];
     uint8_t scope; /* enum scope: see steps.h */
     enum session session;
+    enum turn_state turn;
     enum process_kind kind;
-    bool queued;           /* in the queue of those to look at */
-    bool held;             /* waits for the dispatcher to wake */
-    bool blocked;          /* the network refused it; waits for the next try */
     bool roll_call_due;    /* it is to say all its parts again */
     bool speaks;           /* its registration is just being taken in */
-    bool flooded;          /* its last Delivery had many mails: see pacing.h */
-    bool flood_queued;     /* among the places that are held for that */
     bool overruled;        /* a run has passed over a name that it asked for */
     uint64_t incarnation;  /* of the process */
+    uint32_t mails_had;    /* in its last Delivery; when they are many, see pacing.c: */
     uint32_t flooded_from; /* the place that the last of those mails came from, or MU_NONE */
     uint64_t flooded_until_ns;
-    uint64_t flood_wake_ns; /* when it is woken, if it is among those */
+    uint64_t flood_wake_ns; /* when it is woken, if it is held for that; else 0 */
     uint32_t seat;          /* its number; no other place ever had it */
     uint64_t serial;        /* of the last Delivery to it */
     uint64_t version_had;   /* of the white pages */
@@ -354,10 +375,10 @@ struct processes {
     uint32_t used_count;
     uint32_t *unmatched; /* indices of those in use that have not matched */
     uint32_t unmatched_count;
-    uint32_t hearers; /* those that read multicasts */
-    uint32_t blocked;
-    bool all_awake;  /* since something happened to all, none has been looked at */
-    uint32_t *queue; /* a ring of MU_PROCESSES_MAX */
+    uint32_t hearers;       /* those that read multicasts */
+    uint32_t held, refused; /* those whose turn is so */
+    bool all_awake;         /* since something happened to all, none has been looked at */
+    uint32_t *queue;        /* a ring of MU_PROCESSES_MAX */
     uint32_t queue_head;
     uint32_t queue_count;
     struct mu_table names;
@@ -392,14 +413,18 @@ void processes_wake(struct processes *p, uint32_t place);
 /** Takes the first one out of the queue.  @return MU_NONE when it is empty */
 uint32_t processes_next(struct processes *p);
 
-/** The network refused it (true), or may be tried again (false). */
-void processes_set_blocked(struct processes *p, uint32_t place, bool blocked);
+/** Something happens to the turn of a process; our own code aborts if it cannot. */
+void processes_turn_on(struct processes *p, uint32_t place, enum turn_event event);
 
 /* --- processes_states.c ---------------------------------------------------------------------- */
 
 /** @return the next state, or SESSIONS: the event is illegal */
 enum session processes_next_session(enum session session, enum session_event event);
 
+enum turn_state processes_next_turn(enum turn_state turn, enum turn_event event);
+
+bool processes_is_held(const struct process *at);
+bool processes_is_refused(const struct process *at);
 bool processes_is_matched(const struct process *at);
 bool processes_hears(const struct process *at);
 bool processes_is_silent(const struct process *at);

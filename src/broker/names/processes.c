@@ -63,12 +63,23 @@ void processes_session_on(struct processes *p, uint32_t place, enum session_even
     p->hearers += (uint32_t)processes_hears(at) - (uint32_t)heard;
 }
 
+void processes_turn_on(struct processes *p, uint32_t place, enum turn_event event)
+{
+    struct process *at = &p->at[place];
+    p->held -= processes_is_held(at);
+    p->refused -= processes_is_refused(at);
+    at->turn = processes_next_turn(at->turn, event);
+    MU_ASSERT(at->turn < TURNS);
+    p->held += processes_is_held(at);
+    p->refused += processes_is_refused(at);
+}
+
 static void place_forget(struct processes *p, uint32_t place)
 {
     struct process *at = &p->at[place];
     bool gone = mu_table_remove(&p->names, at->name) == MU_OK;
     MU_ASSERT(gone);
-    processes_set_blocked(p, place, false);
+    processes_turn_on(p, place, TURN_IS_FORGOTTEN);
     processes_session_on(p, place, SESSION_FORGOTTEN);
     p->used_count--;
 }
@@ -103,9 +114,9 @@ uint32_t processes_get(struct processes *p, const char *name)
         return MU_NONE;
     }
     struct process *at = &p->at[place];
-    bool queued = at->queued; /* an earlier process left it in the queues: it stays there */
-    bool flood_queued = at->flood_queued;
-    *at = (struct process){.queued = queued, .flood_queued = flood_queued, .seat = ++p->seats};
+    /* An earlier process may have left it in the queues: it stays there. */
+    *at =
+        (struct process){.turn = at->turn, .flood_wake_ns = at->flood_wake_ns, .seat = ++p->seats};
     bool fits = mu_text_copy(at->name, sizeof at->name, name);
     MU_ASSERT(fits && mu_table_put(&p->names, at->name, place) == MU_OK);
     p->used_count++;
@@ -124,7 +135,7 @@ void processes_tidy(struct processes *p, uint32_t place)
 void processes_set_matched(struct processes *p, uint32_t place, bool matched)
 {
     processes_session_on(p, place, matched ? SESSION_MATCHED : SESSION_UNMATCHED);
-    processes_set_blocked(p, place, false);
+    processes_turn_on(p, place, TURN_IS_RETRIED);
 }
 
 /* What is no UTF-8 would break readers of the answer. */
@@ -176,8 +187,9 @@ void processes_accept(struct processes *p, uint32_t place, const char *name)
 
 void processes_wake(struct processes *p, uint32_t place)
 {
-    if (!p->at[place].queued) {
-        p->at[place].queued = true;
+    enum turn_state was = p->at[place].turn;
+    processes_turn_on(p, place, TURN_WAKES);
+    if (p->at[place].turn != was) {
         p->queue[(p->queue_head + p->queue_count++) % MU_PROCESSES_MAX] = place;
     }
 }
@@ -191,13 +203,6 @@ uint32_t processes_next(struct processes *p)
     p->queue_head = (p->queue_head + 1) % MU_PROCESSES_MAX;
     p->queue_count--;
     p->all_awake = false;
-    p->at[place].queued = false;
+    processes_turn_on(p, place, TURN_LOOKED_AT);
     return place;
-}
-
-void processes_set_blocked(struct processes *p, uint32_t place, bool blocked)
-{
-    struct process *at = &p->at[place];
-    p->blocked += (uint32_t)blocked - (uint32_t)at->blocked;
-    at->blocked = blocked;
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "history.h"
-#include "../process_states.h"
 
 #include "broker/control/parts.h"
 #include "broker/mail/mail.h"
@@ -143,7 +142,6 @@ void life_check(void)
                        s.unknown_name + s.refused + s.dropped + s.no_store);
     HOLD(s.waiting == history.life.b->mailbox.posts_pool.live);
     HOLD(s.stored <= s.waiting + (history.life.b->journal.first ? MAILS : 0));
-    HOLD(process_states_legal(history.life.b));
     check_boxes(history.life.b);
     check_mails(history.life.b);
 }

@@ -12,7 +12,8 @@ void many_hear(void)
     for (int i = 0; i < PROCESSES; i++) {
         struct history_process *p = &history.processes[i];
         uint32_t place = processes_find(&history.life.b->processes, p->name);
-        bool matched = place != MU_NONE && processes_is_matched(&history.life.b->processes.at[place]);
+        bool matched =
+            place != MU_NONE && processes_is_matched(&history.life.b->processes.at[place]);
         if (matched && p->alive && p->has_ears && !p->hears && !history_chance(3)) {
             history_note("%s hears circulars", p->name);
             broker_hears(history.life.b, p->name);

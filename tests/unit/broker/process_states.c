@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The whole tables of what a process is to the broker: its session, its turn, its role in a run. */
+#include "broker/steps/steps.h"
+#include "state_walk.h"
+#include "suite.h"
+
+#include <CUnit/Basic.h>
+#include <stdlib.h>
+
+static struct processes processes; /* static: leak checkers see its memory */
+
+static bool is_unmatched(const struct process *at)
+{
+    return at->session == SESSION_AWAY || at->session == SESSION_AWAY_SILENT;
+}
+
+static int apply_session(int state, int event)
+{
+    struct process *at = &processes.at[0];
+    *at = (struct process){.session = (enum session)state};
+    processes.unmatched[0] = 0;
+    processes.unmatched_count = is_unmatched(at);
+    processes.hearers = processes_hears(at);
+    processes_session_on(&processes, 0, (enum session_event)event);
+    CU_ASSERT_EQUAL(processes.unmatched_count, is_unmatched(at));
+    CU_ASSERT_EQUAL(processes.hearers, processes_hears(at));
+    return (int)at->session;
+}
+
+static int apply_turn(int state, int event)
+{
+    struct process *at = &processes.at[0];
+    *at = (struct process){.turn = (enum turn_state)state};
+    processes.held = processes_is_held(at);
+    processes.refused = processes_is_refused(at);
+    processes_turn_on(&processes, 0, (enum turn_event)event);
+    CU_ASSERT_EQUAL(processes.held, processes_is_held(at));
+    CU_ASSERT_EQUAL(processes.refused, processes_is_refused(at));
+    return (int)at->turn;
+}
+
+static int apply_role(int state, int event)
+{
+    enum role next = role_next((enum role)state, (enum role_event)event);
+    if (next == ROLES) {
+        abort(); /* as steps_role_on does */
+    }
+    return (int)next;
+}
+
+static void test_sessions(void)
+{
+    /* free, Away, There, Hears multicasts; the same and silent: B, U, I */
+    static const char *const rows[SESSIONS] = {"|A......", "|.TA.ABf", "|.TAHTU.", "|.TAHHI.",
+                                               "|.UB.ABf", "|.UBITU.", "|.UBIHI."};
+    static const char *const matched = ".xx.xx"; /* of all but the free one */
+    for (int i = 0; i < SESSIONS; i++) {
+        struct process at = {.session = (enum session)i};
+        CU_ASSERT_EQUAL(processes_is_matched(&at), i > 0 && matched[i - 1] == 'x');
+        CU_ASSERT_EQUAL(processes_is_silent(&at), i >= SESSION_AWAY_SILENT);
+    }
+    CU_ASSERT_EQUAL(SESSION_EVENTS, 7);
+    state_walk(apply_session, "fATHBUI", rows);
+}
+
+static void test_turns(void)
+{
+    /* idle, Ready, held and that again, refused and that again */
+    static const char *const turns[TURNS] = {"|R.HDNDD", "|RD.RMRR", "|V.HDNHD",
+                                             "|VH.RMVR", "|M..NNDD", "|MN.MMRR"};
+    CU_ASSERT_EQUAL(TURN_EVENTS, 7);
+    state_walk(apply_turn, "DRHVNM", turns);
+}
+
+static void test_roles(void)
+{
+    /* Outside, Simulator (P: owed its Delivery), Awaited (B), answered (Y, Z) */
+    static const char *const rows[ROLES] = {"|AS..O..", "|....P.O", "|....PSO", "|..YAB.O",
+                                            "|..ZBBAO", "|...AZ.O", "|...BZYO"};
+    CU_ASSERT_EQUAL(ROLE_EVENTS, 7);
+    state_walk(apply_role, "OSPABYZ", rows);
+}
+
+int main(void)
+{
+    processes_init(&processes);
+    CU_TestInfo tests[] = {
+        {"sessions", test_sessions},
+        {"turns", test_turns},
+        {"roles", test_roles},
+        CU_TEST_INFO_NULL,
+    };
+    return suite_run("broker/process_states", tests);
+}
