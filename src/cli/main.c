@@ -111,6 +111,26 @@ static int output_end(int code)
     return code == MU_EXIT_DONE ? MU_EXIT_WRITE : code;
 }
 
+/* With --json errors are objects: of a verb that goes on for long, behind what it says meanwhile.
+ */
+static int call_run(size_t which, int count, char **words)
+{
+    static const char *const long_ones[] = {"run", "top", "wait", "verify", "console"};
+    bool is_json = errors_are_json(count, words), is_long = false;
+    for (size_t i = 0; i < sizeof long_ones / sizeof long_ones[0]; i++) {
+        is_long = is_long || strcmp(words[0], long_ones[i]) == 0;
+    }
+    int code = MU_EXIT_CRASH;
+    if (is_json && !is_long && !errors_catch(&code)) {
+        return code;
+    }
+    code = calls[which].run(count, words);
+    if (is_json && is_long && code != MU_EXIT_DONE) {
+        errors_print(code, "");
+    }
+    return code;
+}
+
 /* @param words  the verb and what follows */
 static int verb_call(int count, char **words)
 {
@@ -120,7 +140,7 @@ static int verb_call(int count, char **words)
     }
     for (size_t i = 0; i < sizeof calls / sizeof calls[0]; i++) {
         if (strcmp(words[0], calls[i].name) == 0) {
-            return calls[i].run(count, words);
+            return call_run(i, count, words);
         }
     }
     snprintf(program, sizeof program, "muster-%s", words[0]);
@@ -132,32 +152,15 @@ static bool is_help(const char *word)
     return strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "help") == 0;
 }
 
-/* Without words, the command says what there is. */
-static int live_print(void)
-{
-    int domain;
-    if (runs_list(NULL, &domain) == 0) {
-        fputs("No run of yours lives.  Try:\n"
-              "  muster run follow      a run, and its report\n",
-              stdout);
-    } else {
-        fputs("Runs of yours that live:\n", stdout);
-        (void)runs_list(stdout, &domain);
-        fputs("Try:\n"
-              "  muster ps              who is there\n"
-              "  muster top             what they do\n"
-              "  muster web             the same in a browser\n",
-              stdout);
-    }
-    fputs("  muster --help          all verbs\n", stdout);
-    return MU_EXIT_DONE;
-}
-
 static int verb_run(int argc, char **argv)
 {
     static char help[] = "--help";
     if (argc < 2) {
         return live_print();
+    }
+    if (is_help(argv[1]) && argc > 2 && strcmp(argv[2], "exits") == 0) {
+        verbs_exits();
+        return MU_EXIT_DONE;
     }
     if (is_help(argv[1]) && argc > 2) {
         return verb_call(2, (char *[]){argv[2], help, NULL});

@@ -13,7 +13,8 @@ CHECKS = ["domain", "interface", "loopback", "domains", "participants", "left pr
 
 def findings(*words, code=0, **kwargs):
     done = muster("doctor", "--json", *words, **kwargs)
-    check_equal((done.returncode, done.stderr), (code, ""), done.stdout)
+    check_equal(done.returncode, code, done.stdout)
+    check_equal(json.loads(done.stderr)["exit"] if code else done.stderr, code or "", "standard error")
     lines = [json.loads(line) for line in done.stdout.splitlines()]
     check_equal([f["check"] for f in lines], CHECKS, "checks")
     for f in lines:

@@ -51,6 +51,12 @@ static unsigned participants_count(int domain, int first, int last)
     return count;
 }
 
+unsigned doctor_brokers(int domain)
+{
+    ports_read();
+    return participants_count(domain, 0, 0) + participants_count(domain, 2, 4);
+}
+
 static void interface_check(const char *interface, const char *from, struct doctor_finding *f)
 {
     f->check = "interface";

@@ -39,8 +39,32 @@ int verbs_miss(const char *word);
 /** Prints all verbs in their groups. */
 void verbs_print(void);
 
+/** Prints the table of exit codes: number, word, meaning, with tabs between. */
+void verbs_exits(void);
+
 /** Prints the table for programs: a line for each verb, tabs between name, group, usage, help. */
 void verbs_dump(void);
+
+/* --- live.c ----------------------------------------------------------------------------------- */
+
+/** Prints what lives here, and what to try; at once if nothing lives.  @return the exit code */
+int live_print(void);
+
+/* --- errors.c --------------------------------------------------------------------------------- */
+
+/** @return whether the words ask for errors as JSON */
+bool errors_are_json(int count, char **words);
+
+/** Prints an error as an object on standard error.  @param message  "": what the code means */
+void errors_print(int code, const char *message);
+
+/**
+ * Lets a child go on as this process, and prints what it says when it fails as an object.
+ *
+ * @param code  out, in the parent: the child's exit code
+ * @return true in the child, false in the parent when the child has ended
+ */
+bool errors_catch(int *code);
 
 /* --- completion.c ----------------------------------------------------------------------------- */
 

@@ -111,12 +111,20 @@ void verbs_print(void)
         }
         printf("  %-10s %-18s %s\n", verbs[i].name, verbs[i].usage, verbs[i].help);
     }
-    fputs("\nmuster help VERB says more.\n", stdout);
+    fputs("\nmuster help VERB says more, muster help exits the exit codes.\n", stdout);
 }
 
 void verbs_dump(void)
 {
     for (size_t i = 0; i < verbs_count; i++) {
         printf("%s\t%s\t%s\t%s\n", verbs[i].name, verbs[i].group, verbs[i].usage, verbs[i].help);
+    }
+}
+
+void verbs_exits(void)
+{
+    const struct mu_exit_row *row;
+    for (size_t i = 0; (row = mu_exit_at(i)); i++) {
+        printf("%d\t%s\t%s\n", row->code, row->word, row->meaning);
     }
 }
