@@ -313,34 +313,36 @@ bool compose_fill(struct broker *b, uint32_t place, muster_Delivery *d)
 bool compose_fill_trip(struct broker *b, uint32_t place, muster_Delivery *d)
 {
     struct dispatch *c = &b->dispatch;
-    c->open_trip = snapshots_next(b, place, &c->trip);
-    if (c->open_trip) {
+    bool found = snapshots_next(b, place, &c->trip);
+    if (found) {
+        c->open_word = WORD_TRIP;
         delivery_begin(b, &b->processes.at[place], d);
         d->roll_call = false;
         d->trips._buffer = &c->trip;
         d->trips._length = d->trips._maximum = 1;
     }
-    return c->open_trip;
+    return found;
 }
 
 bool compose_fill_glance(struct broker *b, uint32_t place, muster_Delivery *d)
 {
     struct dispatch *c = &b->dispatch;
-    c->open_glance = probes_next(b, place, &c->probe);
-    if (c->open_glance) {
+    bool found = probes_next(b, place, &c->probe);
+    if (found) {
+        c->open_word = WORD_PROBE;
         delivery_begin(b, &b->processes.at[place], d);
         d->roll_call = false;
         d->serial = 0; /* it waits for nothing */
         d->glances._buffer = &c->probe;
         d->glances._length = d->glances._maximum = 1;
     }
-    return c->open_glance;
+    return found;
 }
 
 void compose_end_word(struct broker *b)
 {
     struct dispatch *c = &b->dispatch;
-    if (c->open_trip) {
+    if (c->open_word == WORD_TRIP) {
         b->processes.at[c->open].serial++;
         snapshots_sent(b);
     } else {
@@ -348,5 +350,5 @@ void compose_end_word(struct broker *b)
     }
     processes_wake(&b->processes, c->open);
     c->open = MU_NONE;
-    c->open_trip = c->open_glance = false;
+    c->open_word = WORD_NONE;
 }

@@ -191,6 +191,9 @@ struct dispatch_room {
     size_t bytes;
 };
 
+/* A Delivery may have one word alone: of a migration, or of a probe. */
+enum dispatch_word { WORD_NONE, WORD_TRIP, WORD_PROBE };
+
 struct dispatch {
     uint32_t
         open; /* whose Delivery is out with the caller; PROCESSES_ALL: a multicast; or MU_NONE */
@@ -203,10 +206,9 @@ struct dispatch {
     bool awake;             /* ordinary mail goes out just now */
     bool worked;            /* something has gone out since it woke */
     struct dispatch_counts count;
-    uint64_t retry_ns; /* when blocked processes are tried again */
-    bool open_trip;    /* it has this alone: */
+    uint64_t retry_ns;            /* when blocked processes are tried again */
+    enum dispatch_word open_word; /* that it has alone: trip, or probe */
     muster_Trip trip;
-    bool open_glance; /* likewise */
     muster_Glance probe;
     struct dispatch_part parts[DISPATCH_AGENTS];
     uint32_t parts_count;

@@ -183,7 +183,7 @@ void dispatch_delivered(struct broker *b)
 {
     struct dispatch *c = &b->dispatch;
     MU_ASSERT(c->open != MU_NONE);
-    if (c->open_trip || c->open_glance) {
+    if (c->open_word != WORD_NONE) {
         compose_end_word(b);
         return;
     }
@@ -232,7 +232,7 @@ void dispatch_undelivered(struct broker *b)
         mailbox_take_back(&b->mailbox, c->parts[i].agent);
     }
     compose_return(b, false);
-    c->open_trip = c->open_glance = false;
+    c->open_word = WORD_NONE;
     if (b->processes.refused == 0) {
         uint64_t now_ns = b->clock.now_ns;
         c->retry_ns =
