@@ -573,7 +573,10 @@ struct box *mailbox_box(struct mailbox *m, uint32_t agent);
 void mailbox_end(struct mailbox *m, uint32_t agent);
 
 /** @return whether the agent's box was ever used: memory of others stays untouched */
-bool mailbox_is_begun(const struct mailbox *m, uint32_t agent);
+static inline bool mailbox_is_begun(const struct mailbox *m, uint32_t agent)
+{
+    return m->boxes[agent].begun;
+}
 
 /**
  * Sets the limits of all boxes that have none of their own.

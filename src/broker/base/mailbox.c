@@ -22,11 +22,6 @@ struct box *mailbox_box(struct mailbox *m, uint32_t agent)
     return box;
 }
 
-bool mailbox_is_begun(const struct mailbox *m, uint32_t agent)
-{
-    return m->boxes[agent].begun;
-}
-
 void mailbox_end(struct mailbox *m, uint32_t agent)
 {
     const struct box *box = &m->boxes[agent];

@@ -217,7 +217,7 @@ static void act_take(struct broker *b, uint32_t place, const muster_Act *act,
     } else if (act->replays) {
         effect = STEPS_REPLAY;
     }
-    if (effect == STEPS_INSIDE && !scope_is_inside(names_scope(b, agent))) {
+    if (effect == STEPS_INSIDE && !scope_is_inside(registry_scope(&b->registry, agent))) {
         effect = STEPS_NOW; /* it speaks in its turn, but from outside */
     }
     if (act->mails._length > 0) {

@@ -292,7 +292,7 @@ static void lockstep_hold(struct broker *b, bool held)
     bool ends = b->steps.held && !held;
     steps_set_held(b, held);
     for (uint32_t agent = 0; ends && agent < b->registry.count; agent++) {
-        if (!scope_is_inside(names_scope(b, agent))) {
+        if (!scope_is_inside(registry_scope(&b->registry, agent))) {
             residents_wake(&b->registry, &b->processes, agent);
         }
     }

@@ -13,7 +13,8 @@ void multicast_note(struct broker *b, struct mail *m)
 {
     struct multicast *c = &b->multicast;
     bool may = m->letter.level == muster_LEVEL_RAM && m->unsettled >= MULTICAST_PLACES_MIN &&
-               b->dispatch.interval_ns == 0 && !scope_is_inside(names_scope(b, m->sender));
+               b->dispatch.interval_ns == 0 &&
+               !scope_is_inside(registry_scope(&b->registry, m->sender));
     if (may && b->processes.hearers >= MULTICAST_PLACES_MIN && c->count < MULTICAST_WAITING) {
         pool_keep(m);
         c->waiting[c->count++] = m;

@@ -24,7 +24,7 @@ void answer_begin(struct broker *b, struct mu_text *t, const char *word)
 
 static void answer_post(struct broker *b, uint32_t own, uint32_t receiver, muster_Mail *m)
 {
-    bool inside = scope_is_inside(names_scope(b, receiver));
+    bool inside = scope_is_inside(registry_scope(&b->registry, receiver));
     m->src = b->registry.agents[own].name;
     m->dst = b->registry.agents[receiver].name;
     m->layer = 2;

@@ -7,7 +7,7 @@
 static bool news_can_wait(struct broker *b, uint32_t sender, muster_Outcome result)
 {
     bool bad = result == muster_OUTCOME_BOX_FULL || result == muster_OUTCOME_DROPPED;
-    return bad && !scope_is_paced(names_scope(b, sender)) &&
+    return bad && !scope_is_paced(registry_scope(&b->registry, sender)) &&
            limiter_holds(&b->limiter, sender, b->clock.now_ns);
 }
 

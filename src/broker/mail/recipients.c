@@ -10,7 +10,8 @@
 
 bool recipients_veils(const struct broker *b, const struct mail *m, uint32_t agent)
 {
-    return scope_crosses(names_scope(b, m->sender), names_scope(b, agent));
+    return scope_crosses(registry_scope(&b->registry, m->sender),
+                         registry_scope(&b->registry, agent));
 }
 
 void recipients_unveil(const struct broker *b, const struct mail *m, struct recipients *to)
@@ -28,7 +29,8 @@ void recipients_unveil(const struct broker *b, const struct mail *m, struct reci
 
 static bool is_hidden(const struct broker *b, uint32_t agent, uint32_t sender)
 {
-    return !scope_addresses(names_scope(b, sender), names_scope(b, agent));
+    return !scope_addresses(registry_scope(&b->registry, sender),
+                            registry_scope(&b->registry, agent));
 }
 
 void recipients_of_names(struct broker *b, const char *names, uint32_t sender,
@@ -60,7 +62,7 @@ void recipients_of_answer(struct broker *b, const char *names, uint32_t sender,
         uint32_t agent = read.cut ? MU_NONE : registry_find(&b->registry, name);
         if (agent != MU_NONE && agent != sender && !registry_is_own(agent) &&
             b->registry.agents[agent].mark != mark &&
-            (open || !scope_is_inside(names_scope(b, agent)))) {
+            (open || !scope_is_inside(registry_scope(&b->registry, agent)))) {
             b->registry.agents[agent].mark = mark;
             to->agents[to->count++] = agent;
         }
@@ -111,7 +113,7 @@ static bool kind_is_addressed(enum mu_address_kind kind, muster_Kind of)
  * the wall clock. */
 static bool is_too_far(const struct broker *b, uint32_t agent, uint32_t sender)
 {
-    return names_is_beyond(b, agent) && scope_is_inside(names_scope(b, sender));
+    return names_is_beyond(b, agent) && scope_is_inside(registry_scope(&b->registry, sender));
 }
 
 void recipients_of_letter(struct broker *b, const muster_Mail *letter, uint32_t sender,

@@ -68,7 +68,7 @@ void settle_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
         }
         outcome_settle(b, m);
     }
-    if (!scope_is_paced(names_scope(b, agent))) {
+    if (!scope_is_paced(registry_scope(&b->registry, agent))) {
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
     }
     residents_wake(&b->registry, &b->processes, agent);

@@ -47,7 +47,7 @@ static void claims_end(struct broker *b, uint32_t place, uint32_t part,
 /* A run that goes by steps does not let go of an agent before it ends. */
 static void presence_leave(struct broker *b, uint32_t agent)
 {
-    if (scope_is_paced(names_scope(b, agent))) {
+    if (scope_is_paced(registry_scope(&b->registry, agent))) {
         b->registry.agents[agent].gone = true;
     } else {
         lifecycle_depart(b, agent);

@@ -3,11 +3,6 @@
 
 #include "broker/control/parts.h"
 
-uint8_t names_scope(const struct broker *b, uint32_t agent)
-{
-    return b->registry.agents[agent].scope;
-}
-
 void names_confirm(struct broker *b, uint32_t agent, uint64_t number)
 {
     struct agent *a = &b->registry.agents[agent];

@@ -158,6 +158,12 @@ struct registry {
 
 void registry_init(struct registry *r);
 
+/** @return the agent's scope, for the rules of steps/scope.h */
+static inline uint8_t registry_scope(const struct registry *r, uint32_t agent)
+{
+    return r->agents[agent].scope;
+}
+
 /** @return the index of a name, or MU_NONE */
 uint32_t registry_find(const struct registry *r, const char *name);
 
@@ -416,7 +422,7 @@ uint32_t processes_next(struct processes *p);
 /** Something happens to the turn of a process; our own code aborts if it cannot. */
 void processes_turn_on(struct processes *p, uint32_t place, enum turn_event event);
 
-/* --- processes_states.c ---------------------------------------------------------------------- */
+/* States of processes: processes.c too. */
 
 /** @return the next state, or SESSIONS: the event is illegal */
 enum session processes_next_session(enum session session, enum session_event event);
@@ -478,9 +484,6 @@ enum mailbox_gate names_gate(const struct broker *b, uint32_t agent);
  * whatever follows it.
  */
 void names_confirm(struct broker *b, uint32_t agent, uint64_t number);
-
-/** @return the agent's scope, for the rules of steps.h */
-uint8_t names_scope(const struct broker *b, uint32_t agent);
 
 /** @return whether the agent lives beyond another broker */
 bool names_is_beyond(const struct broker *b, uint32_t agent);

@@ -17,7 +17,7 @@ static bool was_had(const struct broker *b, uint32_t sender, const muster_Mail *
         /* Its answer is still to come, and a sender that hears of a duplicate asks no more: what
          * is on disk already is said to be there, lest this life ends before the answer. */
         if (m && mail_is_written(m) && m->told != TOLD_LAST &&
-            scope_is_told(names_scope(b, sender))) {
+            scope_is_told(registry_scope(&b->registry, sender))) {
             *outcome = muster_OUTCOME_STORED;
         }
         return true;

@@ -8,7 +8,8 @@
 
 static bool is_shown(const struct broker *b, const struct mail *question, uint32_t agent)
 {
-    return scope_sees(names_scope(b, question->sender), names_scope(b, agent));
+    return scope_sees(registry_scope(&b->registry, question->sender),
+                      registry_scope(&b->registry, agent));
 }
 
 static void request_lookup(struct broker *b, const struct mail *question)
@@ -32,7 +33,7 @@ static void request_lookup(struct broker *b, const struct mail *question)
     mu_fields_add(&t, validate_kind_word(m.kind));
     mu_fields_add(&t, validate_state_word(m.state));
     mu_fields_add(&t, m.broker);
-    bool inside = scope_is_inside(names_scope(b, question->sender));
+    bool inside = scope_is_inside(registry_scope(&b->registry, question->sender));
     mu_fields_add(&t, m.host);
     mu_text_format(&t, " %lu", inside ? 0ul : (unsigned long)m.pid);
     answer_send(b, question, "inform");

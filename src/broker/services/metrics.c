@@ -196,7 +196,7 @@ void metrics_print(void)
 void metrics_answer(struct broker *b, uint32_t own, const struct mail *question)
 {
     struct mu_text t;
-    const char *refusal = scope_refuses_counters(names_scope(b, question->sender));
+    const char *refusal = scope_refuses_counters(registry_scope(&b->registry, question->sender));
     if (refusal) {
         answer_begin(b, &t, refusal);
         answer_reply(b, own, question, "failure", b->text);

@@ -26,7 +26,8 @@ static bool meets_run(struct broker *b, const struct mail *m)
         if (registry_is_own(agent)) { /* what changes the broker takes effect between steps, too */
             meets = m->letter.layer == 0 || recipients_has_member_change(b, m);
         } else {
-            meets = scope_is_inside(names_scope(b, agent)) || steps_keeps_before(b, m, agent);
+            meets = scope_is_inside(registry_scope(&b->registry, agent)) ||
+                    steps_keeps_before(b, m, agent);
         }
     }
     return meets;

@@ -49,8 +49,8 @@ void steps_role_on(struct broker *b, uint32_t place, enum role_event event)
     if (event == ROLE_JOINS || event == ROLE_SIMULATES) {
         m->step_had = INT64_MIN;
     }
-    if (b->processes.at[place].scope != scope_of_role(m->role)) {
-        b->processes.at[place].scope = scope_of_role(m->role);
+    if (b->processes.at[place].scope != role_scope(m->role)) {
+        b->processes.at[place].scope = role_scope(m->role);
         steps_mark_residents(b, place);
     }
 }
@@ -208,7 +208,7 @@ void steps_keep_state(struct steps *l, uint32_t agent, muster_State state)
 enum steps_effect steps_effect(const struct broker *b, uint32_t place, int64_t step)
 {
     enum role role = b->steps.members[place].role;
-    if (!scope_is_inside(scope_of_role(role))) {
+    if (!scope_is_inside(role_scope(role))) {
         return STEPS_NOW;
     }
     if (step == muster_STEP_NOW) {
@@ -276,9 +276,8 @@ bool steps_view(const struct broker *b, uint32_t place, uint64_t interval_ns,
 {
     const struct steps *l = &b->steps;
     enum role role = l->members[place].role;
-    *view = (struct steps_view){.scope = scope_of_role(role),
-                                .step = muster_STEP_NOW,
-                                .version = b->registry.changes.version};
+    *view = (struct steps_view){
+        .scope = role_scope(role), .step = muster_STEP_NOW, .version = b->registry.changes.version};
     if (!scope_is_paced(view->scope)) {
         return true;
     }

@@ -7,7 +7,7 @@
 #ifndef MUSTER_BROKER_STEPS_H
 #define MUSTER_BROKER_STEPS_H
 
-#include "broker/names/names.h"
+#include "broker/steps/scope.h"
 
 struct broker;
 
@@ -40,71 +40,16 @@ enum role_event {
 /** @return the next role, or ROLES: the event is illegal */
 enum role role_next(enum role role, enum role_event event);
 
-/* --- scope.c --------------------------------------------------------------------------------- */
-
-/*
- * What is inside of a run that goes in lock step does not depend on the wall clock, and so not on
- * what is outside.  An agent, a process and a line of the broker's own each have a scope, a byte;
- * these rules are all that the broker asks of it.
- */
-
-enum scope {
-    SCOPE_OPEN,    /* outside of every lock step */
-    SCOPE_AWAITED, /* an agent outside: the run is held, perhaps for it */
-    SCOPE_BESIDE, /* an agent that looks on, in a process of the run: it speaks from outside, in its
-                     turn; or the process of the simulator */
-    SCOPE_RUN,    /* a member of the run */
-    SCOPE_BROKER, /* the broker's own line */
-    SCOPE_PART,   /* the line of one of its parts */
-    SCOPES
-};
-
-/**
- * @param process   the scope of its process
- * @param looks_on  it is a special agent, in a process whose agents have no bodies
- * @param awaited   it is a robot, and the run is held
- */
-enum scope scope_of_agent(enum scope process, bool looks_on, bool awaited);
-enum scope scope_of_line(bool is_part);
-
 /** @return the scope of a process with that role */
-enum scope scope_of_role(enum role role);
-
-/** @return the scope of a word about a migration that came with an answer to a step, or without */
-enum scope scope_of_word(bool in_step);
-
-/** @return whether all that it does and learns is the same in every run */
-bool scope_is_inside(enum scope scope);
-
-/** @return whether the steps of the run wait for it, and it for them */
-bool scope_is_paced(enum scope scope);
-
-/** @return whether its mail waits for its first step */
-bool scope_waits(enum scope scope);
-
-/** @return whether it is told what other brokers and the disk say of its mail */
-bool scope_is_told(enum scope scope);
-
-/** @return whether a process is told of groups and services */
-bool scope_is_shown_lines(enum scope process);
-
-/** @return whether an answer may name the agent to the one that asks */
-bool scope_sees(enum scope asker, enum scope agent);
-
-/** @return whether mail reaches the agent by its name */
-bool scope_addresses(enum scope sender, enum scope agent);
-
-/** @return whether mail leaves the run, so that its sender is not told what becomes of it */
-bool scope_crosses(enum scope sender, enum scope agent);
-
-/** @return the account of the store on which mail goes */
-enum quota_side scope_account(enum scope payer);
-
-/** @return why an agent cannot be handed from there to there, or NULL */
-const char *scope_refuses_move(enum scope from, enum scope to);
-
-/** @return why it is not told the broker's counters, which depend on the wall clock, or NULL */
-const char *scope_refuses_counters(enum scope asker);
+static inline enum scope role_scope(enum role role)
+{
+    static const enum scope scopes[ROLES] = {
+        [ROLE_OUTSIDE] = SCOPE_OPEN,          [ROLE_SIMULATOR] = SCOPE_BESIDE,
+        [ROLE_SIMULATOR_OWED] = SCOPE_BESIDE, [ROLE_AWAITED] = SCOPE_RUN,
+        [ROLE_AWAITED_OWED] = SCOPE_RUN,      [ROLE_ANSWERED] = SCOPE_RUN,
+        [ROLE_ANSWERED_OWED] = SCOPE_RUN};
+    return scopes[role];
+}
 
 /* --- barrier.c ------------------------------------------------------------------------------- */
 
