@@ -4,6 +4,8 @@
  *   mind_crew RULES_FOLDER FILE MINDS STEPS
  * prints milliseconds of processor time to make a mind, its memory in KiB, microseconds a cycle
  */
+#include "usage.h"
+
 #include "core/text_file.h"
 #include "mind/mind.h"
 #include "muster/limits.h"
@@ -12,8 +14,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
-#include <unistd.h>
 
 enum { SONARS = 16, WARM_UP = 10 };
 
@@ -44,25 +44,6 @@ static bool cycle(struct mind *m, uint64_t robot, uint64_t step)
     mind_percept(m, &percept);
     mind_fire(m, &act);
     return act.drives && act.firings > 0 && act.errors == 0;
-}
-
-/* Of this process alone: the machine may have other work. */
-static uint64_t processor_ns(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
-}
-
-static double resident_kib(void)
-{
-    long pages = 0;
-    FILE *file = fopen("/proc/self/statm", "re");
-    bool read = file && fscanf(file, "%*d %ld", &pages) == 1;
-    if (file) {
-        fclose(file);
-    }
-    return read ? (double)pages * (double)sysconf(_SC_PAGESIZE) / 1024 : 0.0;
 }
 
 static bool minds_make(struct mind **minds, uint64_t count, char **argv)

@@ -66,3 +66,10 @@ def test_what_cannot_be_graded_is_said():
         check("--seeds" in done.stderr, done.stderr)
         done, _ = grade(out, "--seeds", "1", "--weights", "1,2,3")
         check(done.returncode == 1 and "3 weights for 2" in done.stderr, f"weights: {done}")
+        for words, says in ((("--seeds", "1..x"), "--seeds such as"), (("--seeds", "3..1"), "no seed in 3..1"),
+                            (("--seeds", "1", "--weights", "one"), "--weights such as"),
+                            (("--seeds", "1", "--weights", "0,0"), "one is more"),
+                            (("--secret", out / "nowhere"), "nowhere: No such file")):
+            done, _ = grade(out, *words)
+            check(done.returncode in (1, 2) and says in done.stderr, f"{words}: {done}")
+            check("Traceback" not in done.stderr, done.stderr)
