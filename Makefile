@@ -289,7 +289,8 @@ helpers: $(HELPERS) $(O)/test/gohome $(O)/test/way
 programs-test: test-deps all helpers $(UNITS) $(O)/test/rules $(O)/test/clips
 
 test: programs-test ## every test: tidy, unit, rules, system, and again under the sanitizers (12 minutes)
-	@BUILD=$(BUILD) tests/run --beside '$(MAKE) --no-print-directory BUILD=asan programs-test' all
+	@$(MAKE) --no-print-directory BUILD=asan programs-test
+	@BUILD=$(BUILD) tests/run all
 
 check: programs-test ## tidy, all unit and rule tests, and the system tests that are fast (3 minutes)
 	@BUILD=$(BUILD) tests/run check
