@@ -134,12 +134,13 @@ MAIN_muster-web    := web
 FAULTS   := $(O)/lib/muster/libmuster-faults.so
 EXAMPLES := $(patsubst examples/%.c,$(O)/examples/%,$(wildcard examples/*.c))
 HELPERS  := $(patsubst tests/programs/%.c,$(O)/programs/%,$(wildcard tests/programs/*.c))
+PRELOADS := $(patsubst tests/preload/%.c,$(O)/preload/%.so,$(wildcard tests/preload/*.c))
 UNITS    := $(patsubst tests/unit/%/,$(O)/unit/%,$(wildcard tests/unit/*/))
 BENCHES  := $(patsubst bench/%.c,$(O)/bench/%,$(wildcard bench/micro/*.c))
 SOURCES  := $(shell find src include tests examples bench -name '*.[ch]' 2>/dev/null)
 # A program that was built once is kept up to date without being asked for: a helper or a bench of before
 # a change of idl/wire.idl talks another wire than the programs that it meets.
-KEPT     := $(wildcard $(HELPERS) $(BENCHES) $(O)/test/gohome)
+KEPT     := $(wildcard $(HELPERS) $(PRELOADS) $(BENCHES) $(O)/test/gohome)
 
 .DEFAULT_GOAL := all
 .PHONY: all
@@ -192,6 +193,11 @@ $(FAULTS): $(call objs,faults) $(O)/src/core/clock.o
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) -shared $(LDFLAGS) -o $@ $^
 $(O)/unit/bus: | $(FAULTS)
+
+# Loaded by processes that a test spoils.
+$(O)/preload/%.so: $(O)/tests/preload/%.o
+	@mkdir -p $(@D); echo "  LINK  $@"
+	$(Q)$(CC) -shared $(LDFLAGS) -o $@ $^
 
 $(O)/examples/%: $(O)/examples/%.o $(O)/libmuster.a
 	@mkdir -p $(@D); echo "  LINK  $@"
@@ -285,7 +291,7 @@ run: all ## run an experiment headless and leave a report: EXPERIMENT=, ARGS="--
 
 # --- tests ---------------------------------------------------------------------------------------
 .PHONY: helpers programs-test test check quick unit rules system tidy asan hashes coverage
-helpers: $(HELPERS) $(O)/test/gohome $(O)/test/way
+helpers: $(HELPERS) $(PRELOADS) $(O)/test/gohome $(O)/test/way
 programs-test: test-deps all helpers $(UNITS) $(O)/test/rules $(O)/test/clips
 
 test: programs-test ## every test: tidy, unit, rules, system, and again under the sanitizers (12 minutes)
@@ -352,7 +358,7 @@ soak-churn: all $(HELPERS) ## a minute and a half of processes that are killed, 
 	@BUILD=$(BUILD) tests/soak/churn.py
 
 .PHONY: soak-crash
-soak-crash: all ## fifty kills of controllers, resolvers and brokers of runs that go on
+soak-crash: all $(PRELOADS) ## a hundred kills of controllers, resolvers and brokers of runs that go on
 	@BUILD=$(BUILD) tests/soak/crash.py
 
 .PHONY: soak-standstill

@@ -57,11 +57,6 @@ static bool group_is_empty(const struct group_process *g)
     return empty;
 }
 
-static void group_save(void *self)
-{
-    checkpoint_round(self);
-}
-
 static void on_word(void *self, const muster_Trip *word)
 {
     migration_hear(self, word);
@@ -119,7 +114,7 @@ int main(int argc, char **argv)
         .self = g, .on_word = on_word, .on_step_end = on_step_end, .on_answered = on_answered};
     transfers_listen(g->process, &listener);
     mu_process_each_round(g->process, group_round, g);
-    process_before_up(g->process, group_save, g);
+    process_before_up(g->process, step_before_up, g);
     robot_mind_watch();
     mu_memory_seal();
     mu_result ran = mu_process_run(g->process);

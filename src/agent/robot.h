@@ -16,6 +16,7 @@
 #include "mind/mind.h"
 #include "muster/muster.h"
 #include "runtime/probes.h"
+#include "runtime/process.h"
 
 enum {
     ROBOT_ANSWER_MAX = MU_CONTENT_MAX / 2,
@@ -273,6 +274,10 @@ void lifecycle_do_wish(struct robot *r, mu_agent *a);
 /* step.c */
 
 void step_on_step(void *self, mu_agent *a, const struct mu_percept *percept);
+
+/** Saves what the robots of a process (a struct group_process) are, or says again what an earlier
+ * life of it did in a step.  @see process_before_up */
+void step_before_up(void *self, enum process_up_due due, int64_t step);
 /** A step of a robot without a body. */
 void step_on_tick(void *self, mu_agent *a, const struct mu_percept *percept);
 void step_on_act(void *self, mu_agent *a, const struct mu_percept *percept);

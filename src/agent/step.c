@@ -17,17 +17,52 @@ static void mind_hand(struct robot *r, mu_agent *a)
     mu_agent_note(a, trace->at);
 }
 
-/* The first step after its checkpoint.  The answer to it may not have gone out: it is sent again
- * then.  Otherwise the world may have gone on without it.  @return whether it is sent again */
-static bool step_again(struct robot *r)
+/* The answer to the step of its checkpoint may not have gone out: it is sent again then.
+ * @return whether it is */
+static bool answer_again(struct robot *r)
 {
     bool again = r->step == r->saved_step && r->answer.text;
     if (again && !answer_repeat(r->agent, &r->answer)) {
         mu_log(MU_LOG_WARNING, "answer-damaged", "name=%s step=%lld", r->name, (long long)r->step);
-    } else if (!again && r->step != r->saved_step + 1) {
+    }
+    return again;
+}
+
+/* The first step after its checkpoint: the world may have gone on without it.
+ * @return whether it says again what it did in this step */
+static bool step_again(struct robot *r)
+{
+    bool again = answer_again(r);
+    if (!again && r->step != r->saved_step + 1) {
         mind_event(r->mind, MU_ON_ARRIVE);
     }
     return again;
+}
+
+/* Robots whose checkpoint has an answer to the step say it again. */
+static void step_repeat(struct group_process *g, int64_t step, bool broker_had)
+{
+    for (uint32_t i = 0; i < g->count; i++) {
+        struct robot *r = &g->robots[i];
+        if (r->state != ROBOT_RETURNED || r->saved_step != step) {
+            continue;
+        }
+        r->step = step;
+        if (broker_had) {
+            answer_rewind(r->agent, &r->answer);
+        }
+        (void)answer_again(r);
+        mind_hand(r, r->agent);
+    }
+}
+
+void step_before_up(void *self, enum process_up_due due, int64_t step)
+{
+    if (due == UP_DUE) {
+        checkpoint_round(self);
+    } else {
+        step_repeat(self, step, due == UP_AGAIN_FOR_SIMULATOR);
+    }
 }
 
 /* A suspended mind keeps still, so that a person can look at it.  A running one acts later in the

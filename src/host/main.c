@@ -24,12 +24,6 @@ static mu_result host_connect(struct host *h)
     return join_await(h->group.process, network, "muster host", options.domain);
 }
 
-static void host_save(void *self)
-{
-    struct host *h = self;
-    checkpoint_round(&h->group);
-}
-
 /* Asks again and again for agents without a process: their process may die at any time. */
 static void orphans_ask(struct host *h)
 {
@@ -92,7 +86,7 @@ int main(int argc, char **argv)
         mu_log(MU_LOG_INFO, "restored", "agents=%u", host_restore(h));
     }
     mu_process_each_round(h->group.process, host_round, h);
-    process_before_up(h->group.process, host_save, h);
+    process_before_up(h->group.process, step_before_up, &h->group);
     robot_mind_watch();
     mu_memory_seal();
     mu_result ran = mu_process_run(h->group.process);

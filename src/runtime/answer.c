@@ -171,3 +171,8 @@ bool answer_repeat(mu_agent *a, const struct answer *kept)
     }
     return good && r.at == r.end;
 }
+
+void answer_rewind(mu_agent *a, const struct answer *kept)
+{
+    outbox_rewind(&a->outbox, kept->mails);
+}

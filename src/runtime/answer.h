@@ -39,4 +39,8 @@ bool answer_read(const char **text, struct answer *out);
  */
 bool answer_repeat(mu_agent *a, const struct answer *kept);
 
+/** The broker has had the answer: when the agent says it again, to the simulator, its mails bear
+ * the same numbers as before. */
+void answer_rewind(mu_agent *a, const struct answer *kept);
+
 #endif

@@ -57,6 +57,15 @@ void outbox_continue(struct outbox *box, uint64_t last_seq)
     box->unsent_seq += shift;
 }
 
+void outbox_rewind(struct outbox *box, uint32_t count)
+{
+    if (box->begun || box->first_seq != box->next_seq || count > box->renumbered) {
+        return;
+    }
+    box->renumbered -= count;
+    box->first_seq = box->next_seq = box->unsent_seq = box->next_seq - count;
+}
+
 /* Finds room for bytes of text in one piece.  @return where, or NULL */
 static char *text_take(struct outbox *box, size_t bytes)
 {

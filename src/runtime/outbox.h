@@ -55,6 +55,10 @@ void outbox_init(struct outbox *box, uint32_t mails, struct outbox_slot *slots, 
  */
 void outbox_continue(struct outbox *box, uint64_t last_seq);
 
+/** The next count mails are said again by another life of the sender: they bear the last numbers
+ * once more.  Nothing is in the box, and nothing went out of it. */
+void outbox_rewind(struct outbox *box, uint32_t count);
+
 /**
  * Copies a mail in.
  *

@@ -319,6 +319,24 @@ static bool pair_mend(mu_process *p)
     return p->step != held;
 }
 
+/* An earlier life may have died when its answer was with one of the two: then the broker is a step
+ * ahead of the simulator, or a step behind.  @return whether the other one has been given it */
+static bool repeats(mu_process *p)
+{
+    bool first = p->steps == PROCESS_STEPPING;
+    if (first && p->mail->step == p->step->step) {
+        step_repeat_to_simulator(p, p->step);
+        p->step = NULL;
+        return true;
+    }
+    if (first && p->mail->step == p->step->step - 2) {
+        step_repeat_to_broker(p, p->mail);
+        inbox_drop(p);
+        return true;
+    }
+    return false;
+}
+
 /* @return whether something was handled */
 static bool handle_one(mu_process *p)
 {
@@ -344,6 +362,9 @@ static bool handle_one(mu_process *p)
         }
         step_take_delivery(p, p->mail, NULL);
         inbox_next(p);
+        return true;
+    }
+    if (p->step && p->mail && repeats(p)) {
         return true;
     }
     if (p->step && p->mail && p->mail->step == p->step->step - 1) {
@@ -563,7 +584,9 @@ void process_see_first(mu_process *p, bool (*sees)(const void *self, int64_t ste
     p->sees_self = self;
 }
 
-void process_before_up(mu_process *p, void (*before)(void *self), void *self)
+void process_before_up(mu_process *p,
+                       void (*before)(void *self, enum process_up_due due, int64_t step),
+                       void *self)
 {
     p->before_up = before;
     p->before_up_self = self;

@@ -130,6 +130,13 @@ enum process_up {
     UP_STATES
 };
 
+/* Why the agents are asked before an Up goes out. */
+enum process_up_due {
+    UP_DUE,                 /* they may save what they are */
+    UP_AGAIN_FOR_BROKER,    /* it lacks an answer that the simulator has */
+    UP_AGAIN_FOR_SIMULATOR, /* it lacks an answer that the broker has */
+};
+
 enum process_up_event {
     UP_ANSWERS, /* the answer to a step is put together */
     UP_GOES,    /* it may go out */
@@ -190,7 +197,7 @@ struct mu_process {
     atomic_bool stopped;
     void (*round)(void *self); /* after each round of mu_process_run; NULL: none */
     void *round_self;
-    void (*before_up)(void *self); /* the agents' actions are about to go out; NULL: none */
+    void (*before_up)(void *self, enum process_up_due due, int64_t step); /* NULL: none */
     void *before_up_self;
     bool (*sees)(const void *self, int64_t step); /* process_see_first; NULL: nothing is awaited */
     const void *sees_self;
@@ -235,9 +242,13 @@ void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails);
 
 /**
  * Has before called whenever the agents' actions or acknowledgements are about to go out: what is
- * on disk by then is never behind what others have heard.
+ * on disk by then is never behind what others have heard.  It is called, too, when an earlier life
+ * of the process died while its answer to that step was with the broker or the simulator alone: its
+ * agents say again what they did.
  */
-void process_before_up(mu_process *p, void (*before)(void *self), void *self);
+void process_before_up(mu_process *p,
+                       void (*before)(void *self, enum process_up_due due, int64_t step),
+                       void *self);
 
 /** Holds each step of a lock step until its agents have seen how the one before it went: until
  * sees(self, that step).  Before the first one, -1, the process is not ready.  NULL: no more. */
@@ -292,6 +303,14 @@ struct mu_agent *agent_find(mu_process *p, const char *name);
 
 /** Takes the items, receipts, verdicts and members of a delivery. */
 void step_take_delivery(mu_process *p, const muster_Delivery *d, const muster_Sense *sense);
+
+/** Says again what an earlier life answered to a step: the broker has that, the simulator has not.
+ */
+void step_repeat_to_simulator(mu_process *p, const muster_Sense *sense);
+
+/** Says again what an earlier life answered to the step behind a Delivery, and takes that: the
+ * simulator has the answer, the broker has not. */
+void step_repeat_to_broker(mu_process *p, const muster_Delivery *d);
 
 /** Lets the agents live through one control step and answers the simulator. */
 void step_live(mu_process *p, const muster_Sense *sense, const muster_Delivery *d);

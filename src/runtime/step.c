@@ -473,18 +473,18 @@ bool step_retry(mu_process *p)
     return true;
 }
 
-static void up_announce(mu_process *p)
+static void up_announce(mu_process *p, enum process_up_due due, int64_t step)
 {
     if (p->before_up) {
-        p->before_up(p->before_up_self);
+        p->before_up(p->before_up_self, due, step);
     }
 }
 
-static void step_answer(mu_process *p, const muster_Sense *sense)
+static void step_answer(mu_process *p, int64_t step)
 {
-    (void)up_fill(p, sense->step);
+    (void)up_fill(p, step);
     process_up_on(p, UP_ANSWERS);
-    up_announce(p);
+    up_announce(p, UP_DUE, step);
     process_up_on(p, UP_GOES);
     (void)step_retry(p);
 }
@@ -494,20 +494,39 @@ static void step_end(mu_process *p, const muster_Sense *sense)
     if (p->transfers.on_step_end) {
         p->transfers.on_step_end(p->transfers.self);
     }
-    step_answer(p, sense);
+    step_answer(p, sense->step);
     if (p->transfers.on_answered) {
         p->transfers.on_answered(p->transfers.self);
     }
 }
 
-void step_live(mu_process *p, const muster_Sense *sense, const muster_Delivery *d)
+/* Takes the mail of the step before; the first of a lock step has the whole pages. */
+static void step_begin(mu_process *p, const muster_Sense *sense, const muster_Delivery *d)
 {
     if (p->steps != PROCESS_LIVED) {
-        members_clear(&p->members); /* the first mail of a lock step has the whole pages */
+        members_clear(&p->members);
         directory_clear(&p->directory, true);
         (void)process_step_on(p, STEP_LIVED);
     }
     step_take_delivery(p, d, sense);
+}
+
+void step_repeat_to_simulator(mu_process *p, const muster_Sense *sense)
+{
+    up_announce(p, UP_AGAIN_FOR_SIMULATOR, sense->step);
+    step_answer(p, sense->step);
+}
+
+void step_repeat_to_broker(mu_process *p, const muster_Delivery *d)
+{
+    step_begin(p, NULL, d);
+    up_announce(p, UP_AGAIN_FOR_BROKER, d->step + 1);
+    step_answer(p, d->step + 1);
+}
+
+void step_live(mu_process *p, const muster_Sense *sense, const muster_Delivery *d)
+{
+    step_begin(p, sense, d);
     agents_act(p, sense);
     step_end(p, sense);
 }
@@ -578,7 +597,7 @@ void step_flush(mu_process *p)
     }
     unanswered_again(p);
     if (is_anything_to_say(p)) {
-        up_announce(p);
+        up_announce(p, UP_DUE, muster_STEP_NOW);
     }
     while (step_retry(p) && is_anything_to_say(p) && bus_writer_matches(&p->up) > 0 &&
            up_fill(p, muster_STEP_NOW)) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Some fifty kills of controllers, resolvers and brokers at random instants, in lock step and in free
+"""Some hundred kills of controllers, resolvers and brokers at random instants, in lock step and in free
 running.  Every run ends well, everybody is there once after each kill, runs with a checkpoint each
 step have the hash of the run in which nobody died, and no mail that was acknowledged is missing where
 docs/crashes.md says so.  `make soak-crash`, or tests/soak/crash.py SEED.
@@ -14,7 +14,7 @@ import time
 TESTS = pathlib.Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS / "support" / "system"), str(TESTS / "system")]
 from support import (COUNTS, ROOT, SENDS, Processes, check, check_equal, experiment_run,  # noqa: E402
-                     folder, members, muster, wait_for)
+                     folder, members, muster, preload, wait_for)
 from test_crash import EACH_STEP, RESTART, Run, crew_file  # noqa: E402
 
 MANY = ("--set", "restarts=100")
@@ -74,6 +74,21 @@ class Soak:
             crashed = run.end()
             wanted = calm["hash"] if rate != "0" else self.long_hash()
             check_equal(crashed["hash"], wanted, f"the hash at rate {rate}; {run.said.read_text()}")
+
+    def between_two_packets(self):
+        """In lock step, with a checkpoint each step: each life ends behind a packet of its own."""
+        words = ("--set", "duration=60")
+        done, calm = experiment_run(self.folder_named("calm60"), *words)
+        check_equal(done.returncode, 0, done.stderr)
+        for _ in range(6):
+            lives = self.folder_named(f"lives{self.runs}")
+            lives.mkdir()
+            for name in TEAM:
+                (lives / name).write_text("".join(f"{self.dice.randrange(150, 600)}\n" for _ in range(3)))
+            run = self.run(*EACH_STEP, *words, env={"LD_PRELOAD": preload("dies_sending"), "DIES_FOLDER": str(lives)})
+            crashed = run.end()
+            self.kills += sum(r["count"] for r in crashed["restarts"])
+            check_equal(crashed["hash"], calm["hash"], f"the hash; {run.said.read_text()}")
 
     def long_hash(self):
         if not hasattr(self, "_long"):
@@ -144,7 +159,7 @@ def main():
     began = time.monotonic()
     with folder() as out, Processes() as processes:
         soak = Soak(seed, processes, out)
-        for part in (soak.kills_change_nothing, soak.crews, soak.resolvers, soak.freely):
+        for part in (soak.kills_change_nothing, soak.between_two_packets, soak.crews, soak.resolvers, soak.freely):
             part()
             print(f"{part.__name__}: {soak.kills} kills so far, {time.monotonic() - began:.0f} s", flush=True)
     print(f"{soak.kills} kills in {soak.runs} runs, {time.monotonic() - began:.0f} s; from a kill to the white pages "

@@ -9,7 +9,7 @@ import subprocess
 import time
 
 from support import (FOLLOW, MUSTER, ROOT, Processes, broker_start, check, check_equal, children_of, experiment_run,
-                     folder, members, muster, new_domain, pair_run, wait_for)
+                     folder, members, muster, new_domain, pair_run, preload, wait_for)
 
 RESTART = ("--set", "on-crash=restart")
 EACH_STEP = ("--set", "checkpoint=0.1")
@@ -25,12 +25,12 @@ def words_of(pid):
 class Run:
     """An experiment that goes on while the test does something to its processes."""
 
-    def __init__(self, processes, out, *words, file=FOLLOW):
+    def __init__(self, processes, out, *words, file=FOLLOW, env=None):
         self.out, self.domain = out / "run", new_domain()
         self.said = out / "said"
         with open(self.said, "w", encoding="utf-8") as said:
             self.process = processes.start(MUSTER, "run", file, "--quiet", "--out", self.out, "--domain", self.domain,
-                                           *words, stderr=said)
+                                           *words, stderr=said, env={**os.environ, **(env or {})})
 
     def child(self, name):
         """The process id of the child that is started with this first word; None: there is none."""
@@ -88,6 +88,22 @@ def test_neither_a_kill_nor_a_stop_changes_the_run():
         said = r.said.read_text()
         check("red was killed by signal 9" in said and "red is started again in 0.5 s (1 of 5)" in said, said)
         check(crashed["robots"] == summary["robots"], "what the robots did")
+
+
+def test_who_dies_between_two_packets_has_said_all_or_nothing():
+    """An answer to a step goes to the broker and to the simulator in a packet each."""
+    words = ("--set", "duration=60")
+    with folder() as out:
+        done, calm = experiment_run(out / "calm", *words)
+        check_equal(done.returncode, 0, done.stderr)
+        lives = {"red": (301, 302, 303), "blue": (304, 305, 306), "green": (307, 308, 309), "yellow": (310, 311, 312)}
+        for name, packets in lives.items():
+            (out / name).write_text("".join(f"{n}\n" for n in packets))
+        env = {"LD_PRELOAD": preload("dies_sending"), "DIES_FOLDER": str(out)}
+        with run(*RESTART, *EACH_STEP, *words, env=env) as r:
+            crashed = r.end()
+        check_equal({s["process"]: s["count"] for s in crashed["restarts"]}, {name: 3 for name in lives}, "restarts")
+        check_equal(crashed["hash"], calm["hash"], "the hash")
 
 
 def test_who_comes_back_by_itself_survives_chaos():

@@ -64,36 +64,18 @@ static bool superseded_release(struct session *s)
     return any;
 }
 
-/* The broker has ended this step with an answer that never arrived here.  The robots of the
- * successor do nothing in it. */
-static void step_pass(struct session *s, uint32_t process)
-{
-    s->processes[process].answered = s->step;
-    for (uint32_t i = 0; i < s->agents.count; i++) {
-        struct session_agent *agent = &s->agents.at[i];
-        if (agent->process != (int32_t)process) {
-            continue;
-        }
-        memset(agent->digest, 0, sizeof agent->digest);
-        if (agent->body >= 0) {
-            struct session_robot *r = &s->robots[agent->body];
-            r->drives = true;
-            r->forward_m_s = r->turn_rad_s = 0.0;
-        }
-    }
-}
-
-/* Gives the current step to the processes that have joined. */
+/* Gives the last step that went out to the processes that have joined: if it has ended, the broker
+ * may lack the answer of their earlier lives. */
 static void steps_give(struct session *s)
 {
     bool under_way = s->sent_step == s->step;
+    bool gives = under_way || (s->sent_step >= 0 && s->mail_step < s->sent_step);
     s->answers_missing = 0;
     for (uint32_t i = 0; i < s->process_count; i++) {
         struct session_process *p = &s->processes[i];
         bool joins = p->state == MEMBER_JOINING;
-        if (joins && under_way && s->mail_step >= s->step) {
-            step_pass(s, i);
-        } else if (joins && under_way) {
+        if (joins && gives) {
+            p->sample.step = s->sent_step;
             (void)percepts_write(p);
         }
         if (joins) {
@@ -128,7 +110,7 @@ static mu_result others_await(struct session *s)
         inbox_take(s);
         told = told && !superseded_release(s); /* more processes may die meanwhile */
         told = told || roster_tell(s, true) == MU_OK;
-        bool there = is_last(s) ? s->mail_step >= s->step - 1 : roster_is_complete(s);
+        bool there = (is_last(s) && s->mail_step >= s->step - 1) || roster_is_complete(s);
         if (told && there) {
             return MU_OK;
         }

@@ -138,6 +138,10 @@ def program(name):
     return str(BUILD / "programs" / name)
 
 
+def preload(name):
+    return str(BUILD / "preload" / f"{name}.so")
+
+
 def tool_python(*modules):
     """The folder of a Python that has these modules (tests/python.txt); skips the test if not."""
     home = BUILD.parent / "python"

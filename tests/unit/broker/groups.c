@@ -332,11 +332,14 @@ static void test_who_enters_the_run_brings_its_groups(void)
     story_join("grey");
     (void)say("grey", "group-join", "new");
     muster_Roster roster = {
-        .simulator = words("sim"), .lockstep = true, .step = 1, .step_ns = 100 * MS};
+        .simulator = words("sim"), .lockstep = true, .step = 0, .step_ns = 100 * MS};
     char *processes[] = {words("p-green"), words("p-red"), words("p-grey")};
     roster.processes._buffer = processes;
     roster.processes._length = 3;
     broker_roster(story.b, &roster, story.now_ns);
+    answer_step("green", 0, NULL);
+    answer_step("red", 0, NULL);
+    answer_step("grey", 0, NULL);
     (void)hear(false);
     CU_ASSERT_PTR_NOT_NULL(strstr(shown, "+new/grey"));
 }

@@ -107,8 +107,10 @@ static void mail_compare(const muster_Mail *one, const muster_Mail *other)
     CU_ASSERT_STRING_EQUAL(one->content, other->content);
 }
 
-static void note(void *self)
+static void note(void *self, enum process_up_due due, int64_t step)
 {
+    (void)due;
+    (void)step;
     answer_add(&text, self);
 }
 
@@ -163,8 +165,10 @@ static void on_act_say(void *self, mu_agent *a, const struct mu_percept *percept
     CU_ASSERT_EQUAL(mu_agent_drive(a, 0.5, 0.0), MU_OK);
 }
 
-static void before_up(void *self)
+static void before_up(void *self, enum process_up_due due, int64_t step)
 {
+    (void)due;
+    (void)step;
     CU_ASSERT_NOT_EQUAL(process->up_state, UP_PENDING);
     answer_add(self, red);
 }

@@ -263,6 +263,29 @@ static void test_continue_of_an_empty_box(void)
     expect_waiting(42, 1, 1);
 }
 
+static void test_a_rewound_box_gives_the_last_numbers_again(void)
+{
+    outbox_continue(&box, 41);
+    outbox_rewind(&box, 2);
+    put_numbered(2);
+    expect_waiting(40, 1, 2);
+    outbox_rewind(&box, 1); /* it is not empty any more */
+    expect_waiting(40, 1, 2);
+    outbox_sent(&box, 2);
+    outbox_confirm(&box, 40, 41);
+    outbox_rewind(&box, 1); /* they were said again */
+    CU_ASSERT_EQUAL(put("m3"), MU_OK);
+    expect_waiting(42, 3, 1);
+}
+
+static void test_a_box_is_not_rewound_behind_its_first_number(void)
+{
+    outbox_continue(&box, 1);
+    outbox_rewind(&box, 2);
+    CU_ASSERT_EQUAL(put("m1"), MU_OK);
+    expect_waiting(2, 1, 1);
+}
+
 static void test_continue_leaves_what_went_out(void)
 {
     put_numbered(4);
@@ -524,6 +547,10 @@ int main(void)
         {"confirmed out of order", test_confirmed_out_of_order},
         {"continue numbers what waits", test_continue_numbers_what_waits},
         {"continue with a full box", test_continue_with_a_full_box},
+        {"a rewound box gives the last numbers again",
+         test_a_rewound_box_gives_the_last_numbers_again},
+        {"a box is not rewound behind its first number",
+         test_a_box_is_not_rewound_behind_its_first_number},
         {"continue of an empty box", test_continue_of_an_empty_box},
         {"continue leaves what went out", test_continue_leaves_what_went_out},
         {"limit: fields", test_limit_fields},
