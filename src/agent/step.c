@@ -39,20 +39,29 @@ static bool step_again(struct robot *r)
     return again;
 }
 
-/* Robots whose checkpoint has an answer to the step say it again. */
-static void step_repeat(struct group_process *g, int64_t step, bool broker_had)
+/* A robot whose checkpoint has the answer to the step says it again. */
+static void robot_say_again(struct robot *r, bool broker_had)
+{
+    r->step = r->saved_step;
+    if (broker_had) {
+        answer_rewind(r->agent, &r->answer);
+    }
+    (void)answer_again(r);
+    mind_hand(r, r->agent);
+}
+
+static void group_say_again(struct group_process *g, enum process_up_due due, int64_t step)
 {
     for (uint32_t i = 0; i < g->count; i++) {
         struct robot *r = &g->robots[i];
-        if (r->state != ROBOT_RETURNED || r->saved_step != step) {
+        if (r->state != ROBOT_RETURNED || r->saved_step != step || r->step == step) {
             continue;
         }
-        r->step = step;
-        if (broker_had) {
-            answer_rewind(r->agent, &r->answer);
+        if (due != UP_WAS_SAID) {
+            robot_say_again(r, due == UP_AGAIN_FOR_SIMULATOR);
+        } else if (r->answer.text) {
+            answer_recall(r->agent, &r->answer);
         }
-        (void)answer_again(r);
-        mind_hand(r, r->agent);
     }
 }
 
@@ -61,7 +70,7 @@ void step_before_up(void *self, enum process_up_due due, int64_t step)
     if (due == UP_DUE) {
         checkpoint_round(self);
     } else {
-        step_repeat(self, step, due == UP_AGAIN_FOR_SIMULATOR);
+        group_say_again(self, due, step);
     }
 }
 

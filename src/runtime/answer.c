@@ -176,3 +176,15 @@ void answer_rewind(mu_agent *a, const struct answer *kept)
 {
     outbox_rewind(&a->outbox, kept->mails);
 }
+
+void answer_recall(mu_agent *a, const struct answer *kept)
+{
+    static char rules[PROCESS_RULES_MAX + 1];
+    struct rest r = {kept->text, kept->text + kept->len};
+    answer_rewind(a, kept);
+    bool good = string_take(&r, rules, sizeof rules);
+    for (unsigned i = 0; i < kept->mails && good; i++) {
+        good = mail_repeat(a, &r);
+    }
+    outbox_sent(&a->outbox, (uint32_t)(a->outbox.next_seq - a->outbox.unsent_seq));
+}

@@ -43,4 +43,7 @@ bool answer_repeat(mu_agent *a, const struct answer *kept);
  * the same numbers as before. */
 void answer_rewind(mu_agent *a, const struct answer *kept);
 
+/** Both have had it: its mail waits for the broker's answers, and does not go out again. */
+void answer_recall(mu_agent *a, const struct answer *kept);
+
 #endif

@@ -135,6 +135,7 @@ enum process_up_due {
     UP_DUE,                 /* they may save what they are */
     UP_AGAIN_FOR_BROKER,    /* it lacks an answer that the simulator has */
     UP_AGAIN_FOR_SIMULATOR, /* it lacks an answer that the broker has */
+    UP_WAS_SAID,            /* both have it: what the broker answers to its mail is to come */
 };
 
 enum process_up_event {

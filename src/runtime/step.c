@@ -507,6 +507,7 @@ static void step_begin(mu_process *p, const muster_Sense *sense, const muster_De
         members_clear(&p->members);
         directory_clear(&p->directory, true);
         (void)process_step_on(p, STEP_LIVED);
+        up_announce(p, UP_WAS_SAID, d->step);
     }
     step_take_delivery(p, d, sense);
 }

@@ -712,6 +712,7 @@ struct receipts {
     struct receipt *at; /* MU_MAILS_MAX of them */
     struct mu_pool pool;
     struct mu_list *queues; /* one for each agent of the registry */
+    uint32_t *told;         /* for each: so many of its oldest are out, and may have to go again */
     uint64_t lost;          /* receipts that were not told, for want of room */
 };
 
@@ -735,6 +736,12 @@ const struct receipt *receipts_next(const struct receipts *r, uint32_t agent,
 
 /** Removes the oldest count receipts of an agent. */
 void receipts_drop(struct receipts *r, uint32_t agent, uint32_t count);
+
+/** The oldest count receipts of an agent are out: they are kept until it is known to have them. */
+void receipts_tell(struct receipts *r, uint32_t agent, uint32_t count);
+
+/** The agent has what it was told: that is removed. */
+void receipts_heard(struct receipts *r, uint32_t agent);
 
 /* --- timers.c -------------------------------------------------------------------------------- */
 

@@ -7,7 +7,8 @@
 void receipts_init(struct receipts *r, uint32_t agents)
 {
     *r = (struct receipts){.at = mu_startup_array(MU_MAILS_MAX, sizeof *r->at),
-                           .queues = mu_startup_array(agents, sizeof *r->queues)};
+                           .queues = mu_startup_array(agents, sizeof *r->queues),
+                           .told = mu_startup_array(agents, sizeof *r->told)};
     mu_pool_init(&r->pool, MU_MAILS_MAX);
 }
 
@@ -28,7 +29,7 @@ void receipts_add(struct receipts *r, uint32_t agent, uint64_t first_seq, uint64
                   muster_Outcome result)
 {
     struct mu_list *q = &r->queues[agent];
-    struct receipt *last = q->count > 0 ? &r->at[mu_list_last(q)] : NULL;
+    struct receipt *last = q->count > r->told[agent] ? &r->at[mu_list_last(q)] : NULL;
     if (last && last->result == result && last->last_seq + 1 == first_seq) {
         last->last_seq = last_seq;
         return;
@@ -49,7 +50,19 @@ void receipts_add(struct receipts *r, uint32_t agent, uint64_t first_seq, uint64
 void receipts_drop(struct receipts *r, uint32_t agent, uint32_t count)
 {
     MU_ASSERT(count <= receipts_count(r, agent));
+    r->told[agent] -= count < r->told[agent] ? count : r->told[agent];
     for (; count > 0; count--) {
         mu_pool_give(&r->pool, mu_list_take(&r->queues[agent], MU_LINKS(r->at, link)));
     }
+}
+
+void receipts_tell(struct receipts *r, uint32_t agent, uint32_t count)
+{
+    MU_ASSERT(count <= receipts_count(r, agent));
+    r->told[agent] = count;
+}
+
+void receipts_heard(struct receipts *r, uint32_t agent)
+{
+    receipts_drop(r, agent, r->told[agent]);
 }

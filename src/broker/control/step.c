@@ -159,10 +159,19 @@ static bool step_is_complete(const struct steps *l)
     return l->roster_count > 0 && l->answered == l->roster_count && !l->held;
 }
 
+static void residents_have_heard(struct broker *b, uint32_t place)
+{
+    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
+         agent = residents_next(&b->registry, &b->processes, agent)) {
+        receipts_heard(&b->receipts, agent);
+    }
+}
+
 void step_answered(struct broker *b, uint32_t place)
 {
     struct steps *l = &b->steps;
     steps_role_on(b, place, ROLE_ANSWERS);
+    residents_have_heard(b, place);
     l->answered++;
     if (step_is_complete(l)) {
         step_end(b);
@@ -187,6 +196,9 @@ static void place_leave(struct broker *b, uint32_t place)
     struct process *at = &b->processes.at[place];
     steps_role_on(b, place, ROLE_LEAVES);
     view_forget_told(at); /* it was not shown all */
+    if (!b->steps.held) { /* else its next life is to be told again */
+        residents_have_heard(b, place);
+    }
     at->roll_call_due = at->roll_call_due || at->overruled;
     at->overruled = false;
     for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
@@ -202,7 +214,8 @@ static void place_leave(struct broker *b, uint32_t place)
     processes_tidy(&b->processes, place);
 }
 
-/* None of what an expelled process has done in this step takes effect. */
+/* None of what an expelled process has done in this step takes effect.  If the run is held for its
+ * next life, that says it again, and hears of it then. */
 static void turns_drop(struct broker *b, uint32_t place)
 {
     for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
@@ -214,6 +227,7 @@ static void turns_drop(struct broker *b, uint32_t place)
             b->registry.agents[agent].seen_seq = m->letter.seq - 1; /* it was never said */
         }
         for (; m; m = steps_pop(&turn->mails)) {
+            m->told = b->steps.held ? TOLD_LAST : m->told;
             settle_drop(b, m);
         }
     }

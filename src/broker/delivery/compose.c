@@ -254,8 +254,10 @@ static void parts_fill(struct broker *b, muster_Delivery *d)
                                           .bytes = DISPATCH_BOX_BYTES};
         }
         part->passed_by = !parcels_fill(b, part, &room, d);
-        part->receipts = receipts_fill(b, part->agent, d);
-        part->passed_by |= part->receipts < receipts_count(&b->receipts, part->agent);
+        if (!scope_waits(registry_scope(&b->registry, part->agent))) {
+            part->receipts = receipts_fill(b, part->agent, d);
+            part->passed_by |= part->receipts < receipts_count(&b->receipts, part->agent);
+        }
         welcome_add(b, part, d);
     }
 }

@@ -213,7 +213,7 @@ void lifecycle_depart(struct broker *b, uint32_t agent)
     mailbox_repeat(&b->mailbox, agent);
     if (b->processes.at[place].kind == PROCESS_BROKER) {
         a->awaited = true; /* it is only out of sight: what it is to be told waits */
-    } else if (processes_is_silent(&b->processes.at[place]) && a->claim == MU_NONE) {
+    } else if (a->let_go || (processes_is_silent(&b->processes.at[place]) && a->claim == MU_NONE)) {
         settle_await(b, agent);
     } else {
         receipts_drop(&b->receipts, agent, receipts_count(&b->receipts, agent));

@@ -371,7 +371,27 @@ static void test_numbers_of_who_died(void)
     red_dies(1);
     story_register("red", "p-red2");
     story_match("p-red2");
-    EXPECT("red 2-2 dropped; red welcome 1");
+    EXPECT("red welcome 1");
+}
+
+/* What the broker says to mail of the last step is said again until the step behind it is answered.
+ */
+static void test_receipts_of_who_died(void)
+{
+    run_begin();
+    answer_with(letter("red", 1, "nosuch", "one"), 0);
+    answer("green", 0);
+    EXPECT("p-red@0; red 1-1 unknown-name; p-green@0; sim@0");
+    red_dies(1);
+    EXPECT("");
+    story_register("red", "p-red2");
+    story_match("p-red2");
+    EXPECT("red welcome 1");
+    roster_say(true, 1, "p-green p-red2");
+    EXPECT("p-red2@0; red 1-1 unknown-name");
+    story_up_from("p-red2", "red", 1);
+    answer("green", 1);
+    EXPECT("p-green@1; p-red2@1; sim@1");
 }
 
 /* The simulator has all answers to step 0, and the broker has not had red's: its next life says it
@@ -730,6 +750,7 @@ int main(void)
         {"the missing one is dropped", test_the_missing_one_is_dropped},
         {"a step is held until who died is back", test_a_step_is_held_until_who_died_is_back},
         {"numbers of who died", test_numbers_of_who_died},
+        {"receipts of who died", test_receipts_of_who_died},
         {"who died after its answer", test_who_died_after_its_answer},
         {"who died when the step had ended", test_who_died_when_the_step_had_ended},
         {"a process joins a run", test_a_process_joins_a_run},

@@ -157,6 +157,25 @@ static void test_all_of_it_comes_back(void)
     CU_ASSERT_STRING_EQUAL(act->rules, "wander avoid");
 }
 
+/* Its mail is out, with the numbers that it had, and goes out no second time. */
+static void test_an_answer_that_all_have_waits_for_the_broker(void)
+{
+    mails_say();
+    write_down();
+    const char *at = text.at;
+    CU_ASSERT_TRUE_FATAL(answer_read(&at, &kept));
+    life_begin();
+    outbox_continue(&red->outbox, 50);
+    answer_recall(red, &kept);
+    CU_ASSERT_FALSE(outbox_has_unsent(&red->outbox));
+    CU_ASSERT_EQUAL(red->outbox.next_seq, 51);
+    for (int i = 0; i < MAILS; i++) {
+        const muster_Mail *m = outbox_awaited(&red->outbox, 51 - MAILS + (uint64_t)i);
+        CU_ASSERT_PTR_NOT_NULL_FATAL(m);
+        CU_ASSERT_STRING_EQUAL(m->dst, before[i].dst);
+    }
+}
+
 static void on_act_say(void *self, mu_agent *a, const struct mu_percept *percept)
 {
     (void)self;
@@ -167,10 +186,11 @@ static void on_act_say(void *self, mu_agent *a, const struct mu_percept *percept
 
 static void before_up(void *self, enum process_up_due due, int64_t step)
 {
-    (void)due;
     (void)step;
     CU_ASSERT_NOT_EQUAL(process->up_state, UP_PENDING);
-    answer_add(self, red);
+    if (due == UP_DUE) {
+        answer_add(self, red);
+    }
 }
 
 /* What is kept of a step is kept when all is said, and before anybody hears of it. */
@@ -246,6 +266,8 @@ int main(void)
     CU_TestInfo tests[] = {
         {"it is its own answer", test_it_is_its_own_answer},
         {"all of it comes back", test_all_of_it_comes_back},
+        {"an answer that all have waits for the broker",
+         test_an_answer_that_all_have_waits_for_the_broker},
         {"a step is kept before it goes out", test_a_step_is_kept_before_it_goes_out},
         {"who did nothing", test_who_did_nothing},
         {"between steps there is none", test_between_steps_there_is_none},
