@@ -1,0 +1,275 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file pool.h
+ * The pool of mails, whose share of it a mail takes, and the lists and heaps in which mails stand.
+ */
+#ifndef MUSTER_BROKER_POOL_H
+#define MUSTER_BROKER_POOL_H
+
+#include "core/list.h"
+#include "muster/limits.h"
+#include "wire.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* --- quota.c --------------------------------------------------------------------------------- */
+
+/*
+ * A sender's fair share of what all of them use together.
+ *
+ * The rule is the dynamic threshold of A. K. Choudhury and E. L. Hahne, "Dynamic queue length
+ * thresholds for shared-memory packet switches", IEEE/ACM Transactions on Networking 6(2), 1998,
+ * with a factor of 1: a holder may hold as much as is left free.  So a lone sender
+ * gets one half, two get a third each, and there is always room for one that has nothing yet.
+ */
+
+/* What a sender holds, or wants to. */
+struct quota_use {
+    uint32_t mails;
+    uint32_t bytes; /* of the store */
+    uint32_t posts; /* places in boxes */
+};
+
+enum quota_answer {
+    QUOTA_FITS,
+    QUOTA_FULL, /* all senders together leave no room */
+    QUOTA_OVER  /* there may be room, but this sender has had its share */
+};
+
+/**
+ * @param own    what the sender holds
+ * @param all    what all hold together
+ * @param want   what it wants besides
+ * @param most   what all may hold together
+ * @param floor  so much is within a sender's share whatever is free
+ */
+enum quota_answer quota_ask(const struct quota_use *own, const struct quota_use *all,
+                            const struct quota_use *want, const struct quota_use *most,
+                            const struct quota_use *floor);
+
+void quota_add(struct quota_use *use, const struct quota_use *more);
+void quota_subtract(struct quota_use *use, const struct quota_use *less);
+
+/* The store's accounts.  Those inside a run are apart: what others send by the wall clock does
+ * not change what a sender in it may send. */
+enum quota_side { QUOTA_OUTSIDE, QUOTA_INSIDE, QUOTA_SIDES };
+
+/* What both sides can hold together: others may have filled the store when a run begins, and
+ * that has its half all the same. */
+enum {
+    QUOTA_MAILS_MAX = MU_MAILS_MAX + MU_MAILS_MAX / 2,
+    QUOTA_BYTES_MAX = MU_MAIL_BYTES_MAX + MU_MAIL_BYTES_MAX / 2,
+    QUOTA_POSTS_MAX = MU_POSTS_MAX + MU_POSTS_MAX / 2
+};
+
+struct quota_accounts {
+    struct quota_use *senders[QUOTA_SIDES]; /* one for each agent of the registry */
+    struct quota_use all[QUOTA_SIDES];
+};
+
+void quota_init(struct quota_accounts *a, uint32_t agents);
+
+/**
+ * Books a mail on its sender's account, if that may be.
+ *
+ * @param halved  both sides are in use, and have one half of the store each: the run never
+ * has more
+ * @param urgent  a directive: it has no share, and a reserve that no other mail can take
+ */
+enum quota_answer quota_book(struct quota_accounts *a, enum quota_side side, uint32_t sender,
+                             const struct quota_use *want, bool halved, bool urgent);
+
+/**
+ * Books a mail that had its room in an earlier life, on whichever account has room for it.
+ *
+ * @param side  out: that account
+ * @return false: neither has
+ */
+bool quota_restore(struct quota_accounts *a, enum quota_side *side, uint32_t sender,
+                   const struct quota_use *want);
+
+/** Takes back some of what was booked. */
+void quota_unbook(struct quota_accounts *a, enum quota_side side, uint32_t sender,
+                  const struct quota_use *less);
+
+/* --- pool.c ---------------------------------------------------------------------------------- */
+
+/*
+ * The mails themselves: each is kept once, however many receivers it has.
+ *
+ * The memory, for mails that wait in boxes and for those that wait for the end of a step, is
+ * cut into slabs; a slab holds records of one size class, from its
+ * first use until the last of them goes.  Nothing is touched before it is needed, so that an idle
+ * broker stays small.
+ */
+
+/* Text in a sample that is about to be written. */
+
+enum {
+    POOL_SLAB_BYTES = 64 * 1024,
+    POOL_SLABS = (QUOTA_BYTES_MAX + MU_STEP_BYTES_MAX) / POOL_SLAB_BYTES,
+    POOL_CLASSES = 8,
+    POOL_RECORD_MAX = 21824, /* bytes that the largest mail takes: three to a slab */
+};
+
+/* The two schedules that a mail may stand in; see timers.h. */
+enum timers_kind { TIMERS_DUE, TIMERS_EXPIRY, TIMERS_KINDS };
+
+/* What the sender of a mail was told of it: nothing, that it waits, or the last word. */
+enum mail_told { TOLD_NOTHING, TOLD_STORED, TOLD_LAST, TOLD_STATES };
+enum mail_told_event { TOLD_STORES, TOLD_ENDS, TOLD_EVENTS };
+
+/* The worst that became of a mail so far, over all its receivers. */
+enum mail_fate { FATE_TAKEN, FATE_PASSED_ON, FATE_EXPIRED, FATE_DROPPED, FATES };
+enum mail_fate_event { FATE_PASSES, FATE_EXPIRES, FATE_DROPS, FATE_EVENTS };
+
+/* Whether a mail has a row on disk, and whether the next commit is to write or change that. */
+enum mail_durable {
+    DURABLE_NOT,
+    DURABLE_MARKED,
+    DURABLE_WRITTEN,
+    DURABLE_MARKED_AGAIN,
+    DURABLE_STATES
+};
+enum mail_durable_event {
+    DURABLE_MARKS,
+    DURABLE_COMMITS,
+    DURABLE_RESTORES,
+    DURABLE_UNDOES,
+    DURABLE_EVENTS
+};
+
+struct mail {
+    muster_Mail letter;           /* its strings lie behind this record */
+    struct mail *next;            /* in a list of mails that wait for the end of a step */
+    struct mail *journal_next;    /* in the list of what is to be written to disk */
+    struct mail *journal_same;    /* in a chain of durable mails whose names have one hash */
+    uint64_t row;                 /* on disk; 0: it is not durable */
+    uint64_t at_ns[TIMERS_KINDS]; /* of the run; of the broker's clock */
+    uint32_t place[TIMERS_KINDS]; /* in the schedule's heap; MU_NONE: not there */
+    uint64_t order;               /* in which mails were routed */
+    uint32_t sender;              /* an index of the registry */
+    uint32_t only;        /* its one receiver, by another broker's word; MU_NONE: as dst says */
+    uint32_t kept_for;    /* the one that a step keeps it for; MU_NONE: for many, or unknown */
+    uint32_t payer;       /* whose share it takes: the sender's, or the asker's */
+    struct mu_list posts; /* its places in boxes */
+    uint32_t unsettled;   /* receivers that have neither acknowledged it nor let it expire */
+    uint32_t veiled;      /* of them, outside a run that the sender is in */
+    uint32_t uses;        /* freed at 0 */
+    uint32_t bytes;
+    uint32_t size_class;
+    struct mail *older, *newer;     /* of those that wait in boxes; see arrivals.h */
+    uint64_t came_ns;               /* on the mail clock */
+    struct quota_use booked;        /* on its sender's account */
+    struct quota_use booked_veiled; /* for those outside, on its sender's account there */
+    uint8_t side;                   /* enum share_side: the account on which it is booked */
+    uint8_t answer;                 /* muster_Outcome: the last word, if its sender was told that */
+    enum mail_told told : 8;
+    enum mail_fate fate : 8;
+    enum mail_durable durable : 8;
+    bool tell_stored;    /* its sender is told that it is stored, once it is on disk */
+    bool stored_ends_it; /* that is then the last word */
+};
+
+struct pool_slab {
+    struct mu_link link; /* in the list of its class's slabs with room */
+    uint32_t size_class;
+    uint32_t live;   /* records in use */
+    uint32_t carved; /* records ever used since the class took it */
+    void *free;      /* records given back */
+};
+
+struct pool {
+    unsigned char *memory;
+    struct pool_slab *slabs;
+    struct mu_pool slabs_pool;
+    struct mu_list open[POOL_CLASSES];
+    uint32_t mails;
+};
+
+void pool_init(struct pool *s);
+
+/** Copies a mail that the border has let through, with one use.  @return NULL when full */
+struct mail *pool_put(struct pool *s, const muster_Mail *letter);
+
+/** @return the bytes of the store that a mail takes */
+uint32_t pool_bytes(const struct mail *m);
+
+void pool_keep(struct mail *m);
+
+/** Ends one use; the last one frees the mail. */
+void pool_release(struct pool *s, struct mail *m);
+
+/** @return the text, for a member of a sample: idlc makes none const, and nothing is written there
+ */
+static inline char *sample_text(const char *text)
+{
+    return (char *)(uintptr_t)text;
+}
+
+/**
+ * How it stands with a mail that a process still waits for, for the store.
+ *
+ * @return what its sender was told for good, or what it will be told; "" for nothing yet
+ */
+const char *pool_mail_standing(const struct mail *m);
+
+/** The same of a mail that comes back from the store.  @return false: there is no such word */
+bool pool_mail_go_on(struct mail *m, const char *word);
+
+/* --- mail_states.c --------------------------------------------------------------------------- */
+
+/** @return whether the event is news to the sender of the mail */
+bool mail_told_on(struct mail *m, enum mail_told_event event);
+
+void mail_fate_on(struct mail *m, enum mail_fate_event event);
+
+/** @return the outcome that the fate of a mail stands for, if all its receivers are through */
+muster_Outcome mail_outcome(const struct mail *m);
+
+/** @return whether the state has changed */
+bool mail_durable_on(struct mail *m, enum mail_durable_event event);
+
+/** @return whether the mail has a row on disk */
+bool mail_is_written(const struct mail *m);
+
+/* --- timers.c -------------------------------------------------------------------------------- */
+
+/* Mails in order of a time: when they are due, or when they expire. */
+
+struct timers {
+    struct mail **heap; /* QUOTA_MAILS_MAX of them: a mail stands here once */
+    uint32_t count;
+    enum timers_kind kind;
+};
+
+void timers_init(struct timers *s, enum timers_kind kind);
+
+/** Enters a mail for m->at_ns of this kind; equal times go by m->order. */
+void timers_add(struct timers *s, struct mail *m);
+
+/** Takes a mail out, if it is in. */
+void timers_remove(struct timers *s, struct mail *m);
+
+/** @return the earliest mail, or NULL */
+struct mail *timers_first(const struct timers *s);
+
+/* --- arrivals.c ------------------------------------------------------------------------------ */
+
+/* Mails that wait in boxes, in the order in which they came: the oldest is always at hand. */
+
+struct arrivals {
+    struct mail *oldest, *newest;
+};
+
+/** A mail waits from now on; mail_ns is the mail clock's time and never less than the last. */
+void arrivals_add(struct arrivals *a, struct mail *m, uint64_t mail_ns);
+
+/** It waits no more. */
+void arrivals_remove(struct arrivals *a, struct mail *m);
+
+/** @return how long the oldest has waited; 0 when none waits */
+uint64_t arrivals_oldest_ns(const struct arrivals *a, uint64_t mail_ns);
+
+#endif

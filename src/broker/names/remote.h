@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file remote.h
+ * The other brokers, and which agents live beyond which of them.
+ */
+#ifndef MUSTER_BROKER_REMOTE_H
+#define MUSTER_BROKER_REMOTE_H
+
+#include "core/list.h"
+#include "muster/limits.h"
+#include "wire.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct agent;
+struct broker;
+struct presence;
+
+/* --- remote.c -------------------------------------------------------------------------------- */
+
+/*
+ * The other brokers, and which agents live beyond which of them.
+ *
+ * A broker is to another one what a process is: the place "broker.NAME", in which the agents live
+ * that it announces.  What every neighbour says of every agent is kept; the best of it is used:
+ *
+ *   - of two agents with one name the one that has had it longer stays; one that lives here and
+ *     has to give way is refused;
+ *   - of several ways to the same agent (same name, same since) the shortest is used, and none if
+ *     it lives here.
+ *
+ * When the way in use is lost, another one that is not shorter than it was may lead back to here:
+ * such a one is used only after a pause, in which the brokers that relied on us have heard that we
+ * know none.  An agent's own broker is always believed.
+ */
+
+/* How long another way has to wait that may be an echo of our own. */
+enum { FEDERATION_PAUSE_MS = 1000 };
+
+/*
+ * Where a new process of a name begins to number its mail: each broker has lanes of its own, by its
+ * name, so that of two that cannot hear each other neither gives a number that the other gives.
+ */
+enum { FEDERATION_RANGE_NUMBERS = 1 << 16, FEDERATION_RANGES = 1 << 20 };
+
+/* Acknowledgements in one Up to a neighbour. */
+enum { FEDERATION_ACKS = 1024 };
+
+/* What a neighbour says of an agent. */
+struct route {
+    bool present, no_broadcasts;
+    uint8_t kind, state;
+    uint32_t hops; /* brokers between the neighbour and the agent */
+    uint32_t slot; /* in the neighbour's announcement */
+    uint32_t pid;
+    uint64_t since_wall_ns, last_seq;
+    char home[MU_NAME_MAX + 1];
+    char host[MU_FIELD_MAX + 1];
+    uint64_t busy_since_wall_ns;
+    char reason[MU_FIELD_MAX + 1];
+};
+
+/* Another broker: not heard of, heard of alone (by a Delivery, or before it was lost), or there. */
+enum peer_state { PEER_UNKNOWN, PEER_SILENT, PEER_THERE, PEER_STATES };
+
+/* A word of an earlier life is refused.  The other events are of our own making. */
+enum peer_event {
+    PEER_SPEAKS_EARLIER,
+    PEER_OWN_EVENTS,
+    PEER_SPEAKS = PEER_OWN_EVENTS, /* in the life that is known */
+    PEER_BEGINS,                   /* a later life */
+    PEER_ANNOUNCES,
+    PEER_LOST,
+    PEER_FORGOTTEN,
+    PEER_EVENTS
+};
+
+struct peer {
+    char name[MU_NAME_MAX + 1];
+    char place[MU_PROCESS_MAX + 1];
+    enum peer_state state;
+    uint64_t incarnation;
+    uint64_t heard_ns; /* when this life of it was heard last */
+    /* One for each agent of the registry: */
+    struct route *routes;
+    uint64_t *taken; /* the last number of its box there that was taken here */
+    bool *ack_due;
+    uint32_t *acks; /* those with an acknowledgement due */
+    /* By their slots in its announcement, one more than the indices of those that are there: */
+    uint32_t *at_slot;
+    uint32_t acks_count;
+};
+
+/* An agent without a route waits until it may have one that can be an echo. */
+struct pause {
+    uint64_t until_ns;
+    struct mu_link link;
+};
+
+struct federation_counts {
+    uint64_t announced, parcels_in, passed_on, repeated, receipts_in, clashes, hops_refused;
+    uint64_t earlier_lives;
+};
+
+struct federation {
+    struct peer peers[MU_BROKERS_MAX];
+    uint32_t peers_count;
+    uint32_t peers_there;
+    struct pause *pauses; /* one for each agent */
+    struct mu_list pausing;
+    char holders[MU_BROKERS_MAX][MU_FIELD_MAX + 1]; /* reasons of refusals */
+    uint32_t holders_count;
+    /* announce.c */
+    uint32_t listeners; /* other brokers that are there */
+    uint64_t version_said;
+    bool missed;      /* an agent beyond another broker had no place in the white pages */
+    uint64_t beat_ns; /* the next heartbeat */
+    bool due[MU_PARTS_MAX];
+    uint32_t due_count;
+    uint32_t part_open;
+    muster_Entry entries[MU_PART_AGENTS];
+    /* relay.c */
+    uint32_t peer_open;
+    muster_Ack *acks_open;
+    uint32_t acks_open_count;
+    struct federation_counts count;
+};
+
+void remote_init(struct federation *l);
+
+/** @return whether a process's name is that of a broker */
+bool remote_is_broker(const char *process);
+
+/** @return the broker's name in such a name of a process */
+const char *remote_name(const char *process);
+
+/** @return the neighbour of that name, or NULL */
+struct peer *remote_peer(struct broker *b, const char *name);
+
+/** @return the reason of a refusal: an agent at that broker holds the name */
+const char *remote_holder(struct broker *b, const char *home);
+
+/** @return the lane of this broker, below FEDERATION_RANGES */
+uint64_t remote_range(const struct broker *b);
+
+/** @return the number behind which a new process of that agent begins to number its mail */
+uint64_t remote_begin_seq(const struct broker *b, uint32_t agent);
+uint64_t remote_deadline_ns(const struct broker *b);
+
+struct peer *remote_best_peer(struct broker *b, uint32_t agent);
+
+/** @return whether a life of a neighbour has been silent for so long that what is said by an
+ * earlier number cannot be a word that was under way */
+bool remote_is_over(const struct broker *b, const struct peer *p);
+
+/** @return whether a way can lead back to here: its neighbour may have it from us */
+bool remote_may_be_echo(const struct agent *a, const struct route *route, bool same_neighbour);
+
+void remote_forget_numbers(struct broker *b, struct peer *p);
+
+void remote_hold_down(struct broker *b, uint32_t agent);
+
+/** Ends the pause that remote_deadline_ns is of.  @return the agent */
+uint32_t remote_end_pause(struct federation *l);
+
+/** @return whether an agent has to wait for a route that can be an echo */
+bool remote_pauses(const struct federation *l, uint32_t agent);
+
+/** A silent one makes room. */
+struct peer *remote_add_peer(struct broker *b, const char *name);
+
+/** @return false: the event was refused, and counted */
+bool remote_peer_on(struct federation *l, struct peer *p, enum peer_event event);
+
+struct presence remote_presence(const struct route *route);
+
+/** A process that comes after it must not begin with numbers that it has used. */
+void remote_lose_route(struct broker *b, struct peer *p, uint32_t agent);
+
+#endif
