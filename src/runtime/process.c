@@ -323,18 +323,17 @@ static bool pair_mend(mu_process *p)
  * ahead of the simulator, or a step behind.  @return whether the other one has been given it */
 static bool repeats(mu_process *p)
 {
-    bool first = p->steps == PROCESS_STEPPING;
-    if (first && p->mail->step == p->step->step) {
-        step_repeat_to_simulator(p, p->step);
+    int64_t ahead = p->mail->step - p->step->step;
+    if (p->steps != PROCESS_STEPPING || (ahead != 0 && ahead != -2)) {
+        return false;
+    }
+    step_repeat(p, ahead == 0 ? UP_AGAIN_FOR_SIMULATOR : UP_AGAIN_FOR_BROKER);
+    if (ahead == 0) {
         p->step = NULL;
-        return true;
-    }
-    if (first && p->mail->step == p->step->step - 2) {
-        step_repeat_to_broker(p, p->mail);
+    } else {
         inbox_drop(p);
-        return true;
     }
-    return false;
+    return true;
 }
 
 /* @return whether something was handled */
@@ -364,19 +363,19 @@ static bool handle_one(mu_process *p)
         inbox_next(p);
         return true;
     }
-    if (p->step && p->mail && repeats(p)) {
-        return true;
+    if (!p->step || !p->mail) {
+        return false;
     }
-    if (p->step && p->mail && p->mail->step == p->step->step - 1) {
-        if (!has_seen(p, p->step->step - 1)) {
-            return false;
-        }
-        step_live(p, p->step, p->mail);
-        p->step = NULL;
-        inbox_drop(p);
-        return true;
+    if (p->mail->step != p->step->step - 1) {
+        return repeats(p) || pair_mend(p);
     }
-    return p->step && p->mail && pair_mend(p);
+    if (!has_seen(p, p->mail->step)) {
+        return false;
+    }
+    step_live(p, p->step, p->mail);
+    p->step = NULL;
+    inbox_drop(p);
+    return true;
 }
 
 static void busy_say(mu_process *p, uint64_t busy_ns)

@@ -305,13 +305,13 @@ struct mu_agent *agent_find(mu_process *p, const char *name);
 /** Takes the items, receipts, verdicts and members of a delivery. */
 void step_take_delivery(mu_process *p, const muster_Delivery *d, const muster_Sense *sense);
 
-/** Says again what an earlier life answered to a step: the broker has that, the simulator has not.
+/**
+ * Says again what an earlier life answered to a step.
+ *
+ * @param due  UP_AGAIN_FOR_SIMULATOR: the mail in hand is of the same step, and not taken;
+ *             UP_AGAIN_FOR_BROKER: it is of the step before, and taken
  */
-void step_repeat_to_simulator(mu_process *p, const muster_Sense *sense);
-
-/** Says again what an earlier life answered to the step behind a Delivery, and takes that: the
- * simulator has the answer, the broker has not. */
-void step_repeat_to_broker(mu_process *p, const muster_Delivery *d);
+void step_repeat(mu_process *p, enum process_up_due due);
 
 /** Lets the agents live through one control step and answers the simulator. */
 void step_live(mu_process *p, const muster_Sense *sense, const muster_Delivery *d);

@@ -194,11 +194,11 @@ static void receipts_take(mu_process *p, const muster_Delivery *d)
     }
 }
 
-static struct mu_percept percept_of(const muster_Sense *sense, const muster_Percept *robot)
+static void percept_set(struct mu_percept *out, const muster_Sense *sense,
+                        const muster_Percept *robot)
 {
-    struct mu_percept p = {.step = sense->step, .time_ns = sense->time_ns};
-    percept_unpack(&p, robot);
-    return p;
+    *out = (struct mu_percept){.step = sense->step, .time_ns = sense->time_ns};
+    percept_unpack(out, robot);
 }
 
 /* A process that watches sees the whole world. */
@@ -206,7 +206,7 @@ static void world_take(mu_process *p, const muster_Sense *sense)
 {
     uint32_t count = sense->robots._length < MU_ROBOTS_MAX ? sense->robots._length : MU_ROBOTS_MAX;
     for (uint32_t i = 0; i < count; i++) {
-        p->bodies[i] = percept_of(sense, &sense->robots._buffer[i]);
+        percept_set(&p->bodies[i], sense, &sense->robots._buffer[i]);
     }
     for (uint32_t i = 0; i < p->agent_count; i++) {
         struct mu_agent *a = &p->agents[i];
@@ -246,7 +246,7 @@ static void percepts_set(mu_process *p, const muster_Sense *sense)
         struct mu_agent *a = agent_find(p, sense->robots._buffer[i].robot);
         if (a) {
             a->embodied = true;
-            a->percept = percept_of(sense, &sense->robots._buffer[i]);
+            percept_set(&a->percept, sense, &sense->robots._buffer[i]);
         }
     }
 }
@@ -512,17 +512,15 @@ static void step_begin(mu_process *p, const muster_Sense *sense, const muster_De
     step_take_delivery(p, d, sense);
 }
 
-void step_repeat_to_simulator(mu_process *p, const muster_Sense *sense)
+void step_repeat(mu_process *p, enum process_up_due due)
 {
-    up_announce(p, UP_AGAIN_FOR_SIMULATOR, sense->step);
-    step_answer(p, sense->step);
-}
-
-void step_repeat_to_broker(mu_process *p, const muster_Delivery *d)
-{
-    step_begin(p, NULL, d);
-    up_announce(p, UP_AGAIN_FOR_BROKER, d->step + 1);
-    step_answer(p, d->step + 1);
+    int64_t step = p->mail->step;
+    if (due == UP_AGAIN_FOR_BROKER) {
+        step_begin(p, NULL, p->mail);
+        step++;
+    }
+    up_announce(p, due, step);
+    step_answer(p, step);
 }
 
 void step_live(mu_process *p, const muster_Sense *sense, const muster_Delivery *d)

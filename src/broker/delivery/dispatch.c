@@ -152,12 +152,10 @@ static uint32_t part_from(struct broker *b, const struct dispatch_part *part)
 
 static void part_delivered(struct broker *b, const struct dispatch_part *part)
 {
-    /* In a run, the next life of the process has to hear them if this one dies before it answers.
+    /* In a run, the next life of its process hears them again if this one dies before it answers.
      */
-    receipts_tell(&b->receipts, part->agent, part->receipts);
-    if (!scope_is_inside(b->dispatch.view.scope)) {
-        receipts_heard(&b->receipts, part->agent);
-    }
+    bool is_kept = scope_is_inside(b->dispatch.view.scope);
+    (is_kept ? receipts_tell : receipts_drop)(&b->receipts, part->agent, part->receipts);
     if (part->verdict) {
         b->registry.agents[part->agent].verdict_due = false;
     }
