@@ -9,129 +9,6 @@
 
 /* --- the end of a step ------------------------------------------------------------------------ */
 
-static void acks_apply(struct broker *b)
-{
-    for (uint32_t i = 0; i < b->steps.active_count; i++) {
-        uint32_t agent = b->steps.active[i];
-        struct turn *turn = &b->steps.turns[agent];
-        if (turn->has_ack) {
-            turn->has_ack = false;
-            settle_acknowledge(b, agent, turn->ack);
-        }
-    }
-}
-
-static void states_apply(struct broker *b)
-{
-    for (uint32_t i = 0; i < b->steps.active_count; i++) {
-        uint32_t agent = b->steps.active[i];
-        struct turn *turn = &b->steps.turns[agent];
-        if (!turn->has_state) {
-            continue;
-        }
-        turn->has_state = false;
-        if (b->registry.agents[agent].process == MU_NONE) {
-            continue;
-        }
-        if (turn->state == muster_STATE_ABSENT) {
-            lifecycle_depart(b, agent);
-        } else {
-            lifecycle_set_state(b, agent, turn->state);
-        }
-    }
-}
-
-static void mails_apply(struct broker *b)
-{
-    for (uint32_t i = 0; i < b->steps.active_count; i++) {
-        struct turn *turn = &b->steps.turns[b->steps.active[i]];
-        for (struct mail *m = steps_pop(&turn->mails); m; m = steps_pop(&turn->mails)) {
-            (void)route_mail(b, m);
-        }
-    }
-}
-
-static void outside_take(struct broker *b, struct turn *turn)
-{
-    struct steps *l = &b->steps;
-    struct mail *m = steps_pop(&turn->outside);
-    steps_count_outside(l, m, UINT32_MAX); /* one less */
-    struct quota_use less = {.mails = 1, .bytes = pool_bytes(m)};
-    quota_subtract(&turn->outside_use, &less);
-    quota_subtract(&l->outside_use, &less);
-    pool_keep(m);
-    if (route_mail(b, m)) {
-        l->told[l->told_count++] = m;
-    } else {
-        pool_release(&b->pool, m);
-    }
-}
-
-/* Those that have room go in order of (sender, number), as a recording is put in again. */
-static void outside_apply(struct broker *b)
-{
-    struct steps *l = &b->steps;
-    uint32_t share = steps_outside_share(l), spare = steps_outside_spare(l, share);
-    for (uint32_t i = 0; i < l->active_count && l->outside_waiting > 0; i++) {
-        struct turn *turn = &l->turns[l->active[i]];
-        uint32_t left = share;
-        while (turn->outside.first && left + spare > 0 && l->told_count < STEPS_OUTSIDE_MAX) {
-            outside_take(b, turn);
-            *(left > 0 ? &left : &spare) -= 1;
-        }
-    }
-}
-
-void step_keep_replay(struct broker *b, struct mail *m)
-{
-    if (b->replays.count == QUOTA_MAILS_MAX) {
-        settle_turn_away(b, m);
-        return;
-    }
-    m->at_ns[TIMERS_DUE] = (uint64_t)m->letter.due_ns;
-    m->order = ++b->orders;
-    timers_add(&b->replays, m);
-    outcome_stored(b, m);
-}
-
-/* The run that they are of is over. */
-static void replays_drop(struct broker *b)
-{
-    for (struct mail *m; (m = timers_first(&b->replays));) {
-        timers_remove(&b->replays, m);
-        settle_drop(b, m);
-    }
-}
-
-/* What came in with this step when it was recorded comes in with it again. */
-static void replays_keep(struct broker *b, uint64_t run_ns)
-{
-    for (struct mail *m = timers_first(&b->replays); m && m->at_ns[TIMERS_DUE] <= run_ns;
-         m = timers_first(&b->replays)) {
-        timers_remove(&b->replays, m);
-        if (!steps_keep(b, m, true)) {
-            settle_turn_away(b, m);
-        }
-    }
-}
-
-static void step_apply(struct broker *b)
-{
-    clock_commit_begin(&b->clock);
-    replays_keep(b, clock_run_ns(&b->clock));
-    steps_order_turns(b);
-    acks_apply(b);
-    settle_expire(b, clock_mail_ns(&b->clock));
-    notify_expire(b, clock_mail_ns(&b->clock));
-    states_apply(b);
-    mails_apply(b);
-    outside_apply(b);
-    route_resolve_expire(b, clock_mail_ns(&b->clock));
-    steps_close_turns(&b->steps);
-    settle_admit_due(b, clock_run_ns(&b->clock));
-    clock_commit_end(&b->clock);
-}
-
 static uint64_t step_time_ns(const struct broker *b, int64_t step)
 {
     return (uint64_t)step * b->clock.step_ns;
@@ -325,7 +202,7 @@ static void lockstep_end(struct broker *b)
     steps_told(b);
     clock_start(&b->clock, 0, clock_run_ns(&b->clock));
     lockstep_hold(b, false);
-    replays_drop(b);
+    step_drop_replays(b);
     uint32_t count = l->roster_count, simulator = l->simulator;
     l->roster_count = l->answered = 0;
     l->simulator = MU_NONE;
@@ -433,8 +310,7 @@ static void roster_take(struct broker *b, const muster_Roster *roster)
 
 void broker_roster(struct broker *b, const muster_Roster *roster, uint64_t now_ns)
 {
-    MU_ASSERT(b->dispatch.open == MU_NONE);
-    clock_set_now(&b->clock, now_ns);
+    broker_enter(b, now_ns);
     if (validate_step(roster->step, roster->step_ns, roster->lockstep) &&
         validate_members(roster->simulator, roster->processes._buffer, roster->processes._length)) {
         roster_take(b, roster);

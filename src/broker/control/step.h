@@ -1,14 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file step.h
- * The end of a step, in which all that was kept until then takes effect.
+ * What the files of control share: how a call begins, and the end of a step, in which all that was
+ * kept until then takes effect.
  */
 #ifndef MUSTER_BROKER_STEP_H
 #define MUSTER_BROKER_STEP_H
 
-#include "broker/base/base.h"
+#include "broker/control/parts.h"
 
-struct broker;
+/** Every call that changes something begins here. */
+static inline void broker_enter(struct broker *b, uint64_t now_ns)
+{
+    MU_ASSERT(b->dispatch.open == MU_NONE); /* the last Delivery's fate is not known yet */
+    clock_set_now(&b->clock, now_ns);
+}
 
 /** All of a process's Up has been collected; the step may end with it. */
 void step_answered(struct broker *b, uint32_t place);
@@ -16,5 +22,11 @@ void step_answered(struct broker *b, uint32_t place);
 /** Keeps an admitted mail of a recording until the step that ends when it is due; there it is one
  * from outside. */
 void step_keep_replay(struct broker *b, struct mail *m);
+
+/** Those of a run that is over are dropped. */
+void step_drop_replays(struct broker *b);
+
+/** All that was kept of the step that ends takes effect, in a fixed order. */
+void step_apply(struct broker *b);
 
 #endif

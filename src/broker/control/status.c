@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What there is to see of a broker: its counters, its pages, its audit, its alerts. */
+#include "broker/control/broker.h"
+#include "broker/control/parts.h"
+#include "core/text.h"
+
+void broker_status(const struct broker *b, muster_BrokerStatus *status)
+{
+    const struct broker_counters *c = &b->counters;
+    *status = (muster_BrokerStatus){.agents = b->registry.present,
+                                    .sent = c->sent,
+                                    .delivered = c->delivered,
+                                    .waiting = c->waiting,
+                                    .expired = c->expired,
+                                    .box_full = c->box_full,
+                                    .unknown_name = c->unknown_name,
+                                    .refused = c->refused,
+                                    .duplicates_dropped = c->duplicates_dropped,
+                                    .resent = c->resent,
+                                    .malformed = c->malformed,
+                                    .dropped = c->dropped,
+                                    .over_share = c->over_share,
+                                    .no_store = c->no_store,
+                                    .stored = b->pool.mails,
+                                    .oldest_ns =
+                                        arrivals_oldest_ns(&b->arrivals, clock_mail_ns(&b->clock))};
+    steps_last_end(&b->steps, status);
+    status->broker = sample_text(b->name);
+}
+
+bool broker_part(struct broker *b, uint32_t part, muster_PartStatus *status)
+{
+    const struct metric *c;
+    uint32_t count = 0;
+    if (part < 1 || part >= PARTS_END) {
+        return false;
+    }
+    for (size_t i = 0; (c = metrics_at(i)); i++) {
+        if (c->part == part) {
+            b->part_counters[count++] =
+                (muster_Counter){.name = sample_text(c->name), .value = metrics_value(b, c)};
+        }
+    }
+    *status = (muster_PartStatus){.broker = b->name, .part = b->registry.agents[part].name};
+    status->counters._buffer = b->part_counters;
+    status->counters._length = status->counters._maximum = count;
+    return true;
+}
+
+mu_result broker_policy(struct broker *b, const char *text, const char *file,
+                        struct mu_fault *fault)
+{
+    return trust_read(&b->trust, text, file, fault);
+}
+
+bool broker_audit_next(struct broker *b, struct audit_record *out)
+{
+    return audit_next(&b->audit, out);
+}
+
+void broker_audit_failed(struct broker *b)
+{
+    b->audit.failed++;
+}
+
+bool broker_member(const struct broker *b, uint32_t index, muster_Member *out)
+{
+    if (index >= b->registry.live) {
+        return false;
+    }
+    registry_line(&b->registry, b->registry.order[index], b->name, out);
+    return true;
+}
+
+static void line_write(const struct broker *b, uint32_t agent, char to[BROKER_LINE_MAX])
+{
+    muster_Member m;
+    struct mu_text t;
+    registry_line(&b->registry, agent, b->name, &m);
+    mu_text_init(&t, to, BROKER_LINE_MAX);
+    mu_text_format(&t, "%s %s %s %s %s %s %lu %llu%s%s", m.name, validate_kind_word(m.kind),
+                   validate_state_word(m.state), m.broker, m.process[0] ? m.process : "-",
+                   m.host[0] ? m.host : "-", (unsigned long)m.pid,
+                   (unsigned long long)m.since_wall_ns, m.reason[0] ? " " : "", m.reason);
+}
+
+bool broker_page_news(struct broker *b, muster_Page *out)
+{
+    uint32_t part = registry_next_page(&b->registry);
+    if (part == MU_NONE) {
+        return false;
+    }
+    uint32_t first = part * REGISTRY_PAGE;
+    uint32_t count = b->registry.count - first;
+    count = count < REGISTRY_PAGE ? count : REGISTRY_PAGE;
+    uint32_t lines = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (b->registry.agents[first + i].name[0] != '\0') {
+            line_write(b, first + i, b->page_text[lines]);
+            b->page[lines] = b->page_text[lines];
+            lines++;
+        }
+    }
+    *out = (muster_Page){.broker = b->name, .part = part};
+    out->lines._buffer = b->page;
+    out->lines._length = out->lines._maximum = lines;
+    return true;
+}
+
+void broker_page_untold(struct broker *b, const muster_Page *page)
+{
+    registry_mark_page(&b->registry, page->part);
+}
+
+bool broker_event_next(struct broker *b, muster_BrokerEvent *out)
+{
+    struct alert event;
+    if (!alerts_next(&b->alerts, b->clock.now_ns, &event)) {
+        return false;
+    }
+    *out = (muster_BrokerEvent){.agent = b->registry.agents[event.agent].name,
+                                .sender = b->registry.agents[event.sender].name,
+                                .count = event.count,
+                                .wall_ns = b->clock.wall_ns + event.at_ns};
+    out->broker = sample_text(b->name);
+    out->kind = sample_text(alerts_kind_word(event.kind));
+    return true;
+}
+
+uint32_t broker_samples_wanted(const struct broker *b)
+{
+    return b->probes.count > 0 ? 1 : steps_missing(&b->steps);
+}
+
+bool broker_by_steps(const struct broker *b)
+{
+    return clock_by_steps(&b->clock);
+}

@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What is marked, row by row, for the owner of the disk. */
+#include "broker/control/parts.h"
+#include "broker/mail/mail.h"
+#include "core/text.h"
+
+uint64_t journal_run_wall_ns(const struct broker *b)
+{
+    bool by_the_wall = b->clock.runs && !clock_by_steps(&b->clock);
+    return by_the_wall ? b->clock.wall_ns + b->clock.base_ns - b->clock.run_ns : 0;
+}
+
+static bool something_is_marked(const struct broker *b)
+{
+    const struct journal *j = &b->journal;
+    bool marked = j->first || j->agents_count || j->run_wall_ns != journal_run_wall_ns(b);
+    for (int i = 0; i < LINES_KINDS; i++) {
+        marked = marked || j->slots[i].count || j->slots[i].reset;
+    }
+    for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
+        marked = marked || b->snapshots.snapshots[i].unsaved;
+    }
+    return marked;
+}
+
+bool journal_wanted(struct broker *b, muster_Level *level)
+{
+    struct journal *j = &b->journal;
+    if (!j->on || (j->failing && b->clock.now_ns < j->retry_ns)) {
+        return false;
+    }
+    if (!something_is_marked(b)) {
+        j->failing = false; /* the next durable mail will show whether it works again */
+        return false;
+    }
+    *level = muster_LEVEL_LOGGED;
+    for (const struct mail *m = j->first; m; m = m->journal_next) {
+        if (!mail_is_written(m) && m->letter.level > *level) {
+            *level = m->letter.level;
+        }
+    }
+    j->at = (struct journal_cursor){.mail = j->first};
+    return true;
+}
+
+/* The names of those that a mail still waits for, and behind a slash what of its end is certain. */
+static const char *waiting_of(struct broker *b, const struct mail *m)
+{
+    struct mu_text t;
+    mu_text_init(&t, b->journal.text, JOURNAL_WAITING_BYTES);
+    for (uint32_t post = mu_list_first(&m->posts); post != MU_NONE;
+         post = mailbox_sibling(&b->mailbox, post)) {
+        mu_text_add(&t, t.len ? "," : "");
+        mu_text_add(&t, b->registry.agents[b->mailbox.posts[post].agent].name);
+    }
+    const char *so_far = pool_mail_standing(m);
+    mu_text_add(&t, so_far[0] ? "/" : "");
+    mu_text_add(&t, so_far);
+    return t.at;
+}
+
+static uint64_t expires_wall_ns(const struct broker *b, const struct mail *m)
+{
+    if (m->at_ns[TIMERS_EXPIRY] == 0) { /* in flight it may be due already */
+        return 0;
+    }
+    uint64_t mail_ns = clock_mail_ns(&b->clock), at_ns = m->at_ns[TIMERS_EXPIRY];
+    uint64_t left_ns = at_ns > mail_ns ? at_ns - mail_ns : 0, wall_ns = clock_wall_ns(&b->clock);
+    bool fits = wall_ns < INT64_MAX && left_ns < INT64_MAX - wall_ns; /* what SQLite can hold */
+    return fits ? wall_ns + left_ns : INT64_MAX;
+}
+
+static bool next_agent(struct broker *b, struct journal_entry *e)
+{
+    struct journal *j = &b->journal;
+    if (j->at.agent == j->agents_count) {
+        return false;
+    }
+    const struct agent *a = &b->registry.agents[j->agents[j->at.agent++]];
+    e->kind = JOURNAL_AGENT;
+    e->name = a->name;
+    e->agent_kind = a->saved_kind;
+    e->durable_seq = a->durable_seq;
+    e->failed_seq = a->failed_seq;
+    e->reserved_seq = a->reserved_seq;
+    return true;
+}
+
+/* Rows that follow each other go together. */
+static void gone_extend(struct journal *j, struct journal_entry *e)
+{
+    struct mail *m = j->at.mail;
+    while (m && mail_is_written(m) && m->unsettled == 0 && m->row == e->last_row + 1) {
+        e->last_row = m->row;
+        m = m->journal_next;
+    }
+    j->at.mail = m;
+}
+
+static bool next_mail(struct broker *b, struct journal_entry *e)
+{
+    struct journal *j = &b->journal;
+    while (j->at.mail && !mail_is_written(j->at.mail) && j->at.mail->unsettled == 0) {
+        j->at.mail = j->at.mail->journal_next; /* came and went */
+    }
+    const struct mail *m = j->at.mail;
+    if (!m) {
+        return false;
+    }
+    j->at.mail = m->journal_next;
+    e->row = e->last_row = m->row;
+    if (m->unsettled == 0) {
+        e->kind = JOURNAL_GONE;
+        gone_extend(j, e);
+        return true;
+    }
+    e->kind = mail_is_written(m) ? JOURNAL_WAITING : JOURNAL_MAIL;
+    e->letter = m->letter;
+    e->waiting = waiting_of(b, m);
+    e->expires_wall_ns = expires_wall_ns(b, m);
+    return true;
+}
+
+/* @return a line with its lease as others count it; no key: the slot is free */
+static struct line_word line_kept(struct broker *b, enum lines_kind lines, uint32_t slot)
+{
+    const struct lines *table = journal_table(b, lines);
+    struct line_word word = {.key = NULL};
+    if (changelog_version(&table->changes, slot) > 0) {
+        word = lines_word(table, slot, false);
+        word.lease_ns = lines == LINES_SERVICES ? view_lease_ns(b, slot) : 0;
+    }
+    return word;
+}
+
+static bool next_line(struct broker *b, struct journal_entry *e)
+{
+    struct journal *j = &b->journal;
+    for (; j->at.lines < LINES_KINDS; j->at.lines++, j->at.line = 0, j->at.begun = false) {
+        struct journal_slots *s = &j->slots[j->at.lines];
+        e->lines = j->at.lines;
+        if (s->reset && !j->at.begun) {
+            j->at.begun = true;
+            e->kind = JOURNAL_RESET;
+            return true;
+        }
+        if (j->at.line < s->count) {
+            e->kind = JOURNAL_LINE;
+            e->slot = s->marked[j->at.line++];
+            e->line = line_kept(b, e->lines, e->slot);
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool next_clock(struct broker *b, struct journal_entry *e)
+{
+    struct journal *j = &b->journal;
+    bool wanted = !j->at.clock_done && j->run_wall_ns != journal_run_wall_ns(b);
+    j->at.clock_done = true;
+    e->kind = JOURNAL_CLOCK;
+    e->run_wall_ns = journal_run_wall_ns(b);
+    return wanted;
+}
+
+static bool next_capsule(struct broker *b, struct journal_entry *e)
+{
+    struct journal *j = &b->journal;
+    while (j->at.snapshot < MU_CAPSULES_MAX) {
+        const struct snapshot *c = &b->snapshots.snapshots[j->at.snapshot++];
+        if (c->unsaved) {
+            e->kind = JOURNAL_SNAPSHOT;
+            e->name = b->registry.agents[c->agent].name;
+            e->epoch = c->epoch;
+            e->snapshot = c->phase == SNAPSHOT_FREE ? "" : c->text;
+            return true;
+        }
+    }
+    return false;
+}
+
+bool journal_next(struct broker *b, struct journal_entry *entry)
+{
+    return next_agent(b, entry) || next_mail(b, entry) || next_line(b, entry) ||
+           next_clock(b, entry) || next_capsule(b, entry);
+}
