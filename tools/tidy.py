@@ -191,6 +191,8 @@ def check_all():
     said = words.persons(ROOT)
     for path, n, text in said if len(said) > words.PERSONS_MAX else []:
         bad(path, n, f"one of {len(said)} comments with who, nobody or he (at most {words.PERSONS_MAX}): {text}")
+    for path, n, text in words.persons_of_pages(ROOT):
+        bad(path, n, f"who, nobody and he are people: name the process, agent or program: {text}")
     check_states()
     check_calls()
 

@@ -13,6 +13,8 @@ COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.S)
 PERSON = re.compile(r"\b(?:[Ww]ho(?:m|ever)?|[Ss]ome(?:body|one)|[Nn]obody|[Hh](?:e|im|is))\b")
 # Places in all comments that may speak so; people are meant, or a text is quoted.
 PERSONS_MAX = 20
+# Of people it may be said.
+PEOPLE = re.compile(r"\b(?:[Pp]ersons?|[Pp]eople|[Uu]sers?|[Tt]eachers?|[Ss]tudents?) (?:may )?who\b|\*Who\*")
 NAME = re.compile(r"(?:(?:->|\.)\s*)?[A-Za-z_]\w*")
 
 
@@ -95,3 +97,19 @@ def persons(root):
     paths = [path for top in ("src", "include", "idl", "tools") for path in sorted((root / top).rglob("*"))
              if path.is_file() and path.suffix in kinds and "__pycache__" not in path.parts]
     return [(path, n, text.strip()) for path in paths for n, text in comments(path) if PERSON.search(text)]
+
+
+def pages(root):
+    """@yield (path, line, text) of the pages that people write, without code"""
+    for path in sorted([*root.glob("*.md"), *(root / "docs").rglob("*.md")]):
+        fenced = False
+        for n, line in enumerate(path.read_text().splitlines(), 1):
+            fence = line.lstrip().startswith("```")
+            fenced = fenced != fence
+            if not fenced and not fence and path.parent.name != "reference":
+                yield path, n, re.sub(r"`[^`]*`", "", line)
+
+
+def persons_of_pages(root):
+    """@return (path, line, text) of pages in which anything but people is called who, nobody or he"""
+    return [(path, n, text.strip()) for path, n, text in pages(root) if PERSON.search(PEOPLE.sub("", text))]

@@ -308,8 +308,8 @@ void step_take_delivery(mu_process *p, const muster_Delivery *d, const muster_Se
 /**
  * Says again what an earlier life answered to a step.
  *
- * @param due  UP_AGAIN_FOR_SIMULATOR: the mail in hand is of the same step, and not taken;
- *             UP_AGAIN_FOR_BROKER: it is of the step before, and taken
+ * @param due  UP_AGAIN_FOR_SIMULATOR: the mail in hand is of the same step, and stays;
+ *             UP_AGAIN_FOR_BROKER: it is of the step before, and is handed out
  */
 void step_repeat(mu_process *p, enum process_up_due due);
 
