@@ -4,6 +4,7 @@
 #include "bus/check.h"
 #include "wire.h"
 
+#include <stdio.h>
 #include <string.h>
 
 const struct topic topic_table[BUS_TOPICS] = {
@@ -103,4 +104,22 @@ dds_qos_t *topics_qos(const struct topic *topic)
         dds_qset_liveliness(qos, DDS_LIVELINESS_AUTOMATIC, topic->liveliness_ns);
     }
     return qos;
+}
+
+void bus_print_topics(void)
+{
+    printf("| topic | type | history | durability | partition | from, to | carries |\n"
+           "|---|---|---|---|---|---|---|\n");
+    for (size_t i = 0; i < BUS_TOPICS; i++) {
+        const struct topic *t = &topic_table[i];
+        char history[32] = "keep all";
+        if (!t->keeps_all) {
+            snprintf(history, sizeof history, "keep last %d", (int)topics_depth(t));
+        }
+        printf("| `%s` | `%s` | %s | %s%s | %s | %s | %s |\n", t->name, t->descriptor->m_typename,
+               history, t->for_late_comers ? "transient local" : "volatile",
+               t->liveliness_ns ? ", liveliness automatic 1 s" : "", t->partition, t->from_to,
+               t->carries);
+    }
+    printf("\nAll are reliable, with a maximum blocking time of 0.\n");
 }

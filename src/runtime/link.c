@@ -179,3 +179,14 @@ mu_result link_look(mu_process *p, bool *turned)
     *turned = true;
     return broker_enter(p, best->name, best->incarnation);
 }
+
+bool mu_process_has_broker(const mu_process *p)
+{
+    return p->link.broker[0] && !p->link.silent && bus_reader_matches(&p->delivery) > 0;
+}
+
+const char *mu_process_broker(const mu_process *p)
+{
+    bool answered = p->broker_incarnation != 0 && p->broker_incarnation == p->link.incarnation;
+    return answered && !p->link.silent ? p->link.broker : NULL;
+}

@@ -256,6 +256,25 @@ void process_before_up(mu_process *p,
 void process_see_first(mu_process *p, bool (*sees)(const void *self, int64_t step),
                        const void *self);
 
+/* process_look.c */
+
+/** @return whether the agents have seen how that step went, if process_see_first holds them for it
+ */
+bool process_has_seen(const mu_process *p, int64_t step);
+
+/** @return how many samples are worth waking up for */
+uint64_t process_samples_wanted(const mu_process *p);
+
+/** Handles a step or a Delivery, if one is there that may be.  @return whether one was handled */
+bool process_handle_one(mu_process *p);
+
+/* process_spin.c */
+
+/** An agent that is gone leaves the white pages when the broker has its last mails and
+ * acknowledgements: the broker takes no mail from an agent that has left, and the agent's next life
+ * must not get the same mail again. @param closes  the whole process does, and waits for no more */
+void process_see_out(mu_process *p, bool closes);
+
 /** Handles all that has come, and sends all that is due. */
 void process_turn(mu_process *p);
 
@@ -318,6 +337,14 @@ void step_live(mu_process *p, const muster_Sense *sense, const muster_Delivery *
 
 /** The same without lock step: all the mail that is there belongs to the step. */
 void step_live_freely(mu_process *p, const muster_Sense *sense);
+
+/* step_up.c */
+
+/** Asks the agents before an Up goes out. */
+void step_announce(mu_process *p, enum process_up_due due, int64_t step);
+
+/** Answers a step, to the simulator and to the broker. */
+void step_answer(mu_process *p, int64_t step);
 
 /** Sends an Up with nothing in it: the first sample of a writer can be late, so it is not a step's.
  */

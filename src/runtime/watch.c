@@ -52,37 +52,6 @@ struct mu_watch {
     bool spins; /* in mu_watch_spin, and so in handlers */
 };
 
-/* --- phases ----------------------------------------------------------------------------------- */
-
-/* clang-format off */
-/* The letters of the table; X: that may not be. */
-enum {
-    X = 255,
-    A = WATCH_AWAY, M = WATCH_MET, S = WATCH_SEEN,
-    o = WATCH_OVER_AWAY, O = WATCH_OVER_MET, E = WATCH_OVER_SEEN,
-    t = WATCH_TOLD_AWAY, T = WATCH_TOLD_MET
-};
-
-static const unsigned char next_phase[WATCH_PHASES][WATCH_EVENTS] = {
-    /*                   meets scene goes on ends leaves tells */
-    [WATCH_AWAY]      = {M,    S,    A,      o,   A,     X},
-    [WATCH_MET]       = {M,    S,    M,      O,   X,     t},
-    [WATCH_SEEN]      = {S,    S,    S,      E,   X,     t},
-    [WATCH_OVER_AWAY] = {O,    S,    o,      o,   o,     X},
-    [WATCH_OVER_MET]  = {O,    S,    O,      O,   X,     t},
-    [WATCH_OVER_SEEN] = {E,    S,    E,      E,   X,     t},
-    [WATCH_TOLD_AWAY] = {T,    S,    A,      t,   t,     X},
-    [WATCH_TOLD_MET]  = {T,    S,    M,      T,   t,     X},
-};
-/* clang-format on */
-
-void watch_phase_on(enum watch_phase *phase, enum watch_event event)
-{
-    unsigned next = next_phase[*phase][event];
-    MU_ASSERT(next != X);
-    *phase = (enum watch_phase)next;
-}
-
 static bool has_scene(const mu_watch *w)
 {
     return w->phase == WATCH_SEEN || w->phase == WATCH_OVER_SEEN;
@@ -91,12 +60,6 @@ static bool has_scene(const mu_watch *w)
 static bool is_over(const mu_watch *w)
 {
     return w->phase >= WATCH_OVER_AWAY && w->phase <= WATCH_OVER_SEEN;
-}
-
-/* @return whether the program is to hear of an end */
-static bool end_is_due(const mu_watch *w)
-{
-    return next_phase[w->phase][WATCH_TELLS] != X;
 }
 
 /* --- opening ---------------------------------------------------------------------------------- */
@@ -313,7 +276,7 @@ static bool end_look(mu_watch *w)
     }
     bool whole = is_over(w) && w->step >= w->last_step;
     bool late = is_over(w) && mu_clock_ns() - w->over_ns > END_PATIENCE_NS;
-    bool tells = end_is_due(w) && (whole || late || !here);
+    bool tells = watch_may_tell(w->phase) && (whole || late || !here);
     if (tells) {
         frames_look(w, UINT64_MAX);
         end_tell(w);

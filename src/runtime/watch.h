@@ -36,6 +36,9 @@ enum watch_event {
 /** Applies an event.  There is no end to tell of a run that is not known, or was told. */
 void watch_phase_on(enum watch_phase *phase, enum watch_event event);
 
+/** @return whether the program is to hear of an end */
+bool watch_may_tell(enum watch_phase phase);
+
 struct watch_room; /* start-up memory */
 
 struct watch_room *watch_room_take(void);

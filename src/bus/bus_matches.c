@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The other sides of an endpoint, as DDS has found them. */
+#include "bus/bus.h"
+
+#include <dds/dds.h>
+#include <string.h>
+
+/* The other sides of one endpoint that are looked at: all processes that a domain can have, and
+ * their watchers. */
+enum { ENDPOINTS_MAX = 1024 };
+
+/* @return whether one of the partitions that an endpoint names is this one */
+static bool endpoint_names(const dds_builtintopic_endpoint_t *endpoint, const char *partition)
+{
+    uint32_t count = 0;
+    char **names = NULL;
+    bool found = false;
+    if (endpoint->qos && dds_qget_partition(endpoint->qos, &count, &names)) {
+        for (uint32_t i = 0; i < count; i++) {
+            found = found || strcmp(names[i], partition) == 0;
+            dds_free(names[i]);
+        }
+        dds_free(names);
+    }
+    return found;
+}
+
+/* Finds the process that reads a partition by its name.  @return whether there is one */
+static bool reader_find(const struct bus_writer *writer, const char *partition, dds_guid_t *process)
+{
+    dds_instance_handle_t readers[ENDPOINTS_MAX];
+    dds_return_t count = dds_get_matched_subscriptions(writer->writer, readers, ENDPOINTS_MAX);
+    bool found = false;
+    for (dds_return_t i = 0; i < count && i < ENDPOINTS_MAX && !found; i++) {
+        dds_builtintopic_endpoint_t *endpoint =
+            dds_get_matched_subscription_data(writer->writer, readers[i]);
+        if (endpoint) {
+            found = endpoint_names(endpoint, partition);
+            *process = endpoint->participant_key;
+            dds_builtintopic_free_endpoint(endpoint);
+        }
+    }
+    return found;
+}
+
+bool bus_writer_reaches(const struct bus_writer *writer, const char *partition)
+{
+    dds_guid_t process;
+    return reader_find(writer, partition, &process);
+}
+
+/* How DDS gives the other sides of an endpoint, and tells of one. */
+typedef dds_return_t others_of(dds_entity_t endpoint, dds_instance_handle_t *others, size_t most);
+typedef dds_builtintopic_endpoint_t *other_of(dds_entity_t endpoint, dds_instance_handle_t other);
+
+/* @return whether one of the other sides of an endpoint is in that process */
+static bool process_is_among(const dds_guid_t *process, dds_entity_t endpoint, others_of *matched,
+                             other_of *about)
+{
+    dds_instance_handle_t others[ENDPOINTS_MAX];
+    dds_return_t count = matched(endpoint, others, ENDPOINTS_MAX);
+    bool found = false;
+    for (dds_return_t i = 0; i < count && i < ENDPOINTS_MAX && !found; i++) {
+        dds_builtintopic_endpoint_t *other = about(endpoint, others[i]);
+        if (other) {
+            found = memcmp(&other->participant_key, process, sizeof *process) == 0;
+            dds_builtintopic_free_endpoint(other);
+        }
+    }
+    return found;
+}
+
+bool bus_writer_shares(const struct bus_writer *writer, const char *partition,
+                       const struct bus_writer *other)
+{
+    dds_guid_t process;
+    return reader_find(writer, partition, &process) &&
+           process_is_among(&process, other->writer, dds_get_matched_subscriptions,
+                            dds_get_matched_subscription_data);
+}
+
+bool bus_reader_hears(const struct bus_reader *reader, const struct bus_writer *writer,
+                      const char *partition)
+{
+    dds_guid_t process;
+    return reader_find(writer, partition, &process) &&
+           process_is_among(&process, reader->reader, dds_get_matched_publications,
+                            dds_get_matched_publication_data);
+}
+
+uint32_t bus_writer_matches(const struct bus_writer *writer)
+{
+    dds_publication_matched_status_t status;
+    dds_return_t code = dds_get_publication_matched_status(writer->writer, &status);
+    return code < 0 ? 0 : status.current_count;
+}
+
+uint32_t bus_writer_matched_ever(const struct bus_writer *writer)
+{
+    dds_publication_matched_status_t status;
+    dds_return_t code = dds_get_publication_matched_status(writer->writer, &status);
+    return code < 0 ? 0 : status.total_count;
+}
+
+uint32_t bus_reader_matches(const struct bus_reader *reader)
+{
+    dds_subscription_matched_status_t status;
+    dds_return_t code = dds_get_subscription_matched_status(reader->reader, &status);
+    return code < 0 ? 0 : status.current_count;
+}
