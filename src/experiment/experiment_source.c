@@ -2,6 +2,7 @@
 /* What the steps of loading share: places, faults and files. */
 #include "experiment/experiment_source.h"
 
+#include "core/paths.h"
 #include "muster/memory.h"
 #include "world/condition/condition.h"
 
@@ -71,6 +72,19 @@ bool experiment_is_recorded(void)
     return files_root[0] != '\0';
 }
 
+/* Writes the path of a file from the root on, with the links that are in it: a recording has the
+ * file by the name that the experiment has for it.  @return whether it can be read there */
+static bool path_from_root(const struct experiment *e, const char *path, char whole[PATH_MAX])
+{
+    char folder[PATH_MAX];
+    const char *from = path[0] == '/' ? files_root : realpath(e->folder, folder);
+    if (!from || snprintf(whole, PATH_MAX, "%s/%s", from, path) >= PATH_MAX) {
+        return false;
+    }
+    mu_path_plain(whole);
+    return access(whole, R_OK) == 0;
+}
+
 mu_result experiment_check_file(struct experiment_source *s, char **path, int node,
                                 const char *what)
 {
@@ -81,7 +95,8 @@ mu_result experiment_check_file(struct experiment_source *s, char **path, int no
     if (len < 0 || (size_t)len >= sizeof joined) {
         return experiment_fault(s, path, node, "expected a shorter path");
     }
-    if (!realpath(joined, absolute) || access(absolute, R_OK) != 0) {
+    if (!path_from_root(s->experiment, *path, absolute) &&
+        (!realpath(joined, absolute) || access(absolute, R_OK) != 0)) {
         return experiment_fault(s, path, node, "cannot read the %s '%s': %s", what, joined,
                                 strerror(errno));
     }

@@ -108,6 +108,20 @@ def test_files_that_are_named_by_a_step_up():
         check_equal(json.loads(said)["hash"], summary["hash"], "hash")
 
 
+def test_files_behind_a_link():
+    """Of a folder, and of the folder that the run was started in."""
+    with folder() as out:
+        (out / "home").mkdir()
+        (out / "link").symlink_to(out / "home")
+        (out / "home" / "worlds").symlink_to(ROOT / "worlds")
+        (out / "home" / "t.yaml").write_text("world: worlds/arena.world\nduration: 3\nrobots:\n"
+                                             f"  - {{name: red, rules: {ROOT}/rules/patrol.clp}}\n")
+        recording, summary = record(out / "run", file=out / "link" / "t.yaml")
+        code, said, why = verify(recording, "--json")
+        check_equal(code, 0, f"exit code: {why}{said}")
+        check_equal(json.loads(said)["hash"], summary["hash"], "hash")
+
+
 def test_overrides():
     with folder() as out:
         recording, _ = record(out / "run", "--duration", 5, "--set", "robots.red.globals.mate=green")
