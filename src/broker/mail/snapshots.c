@@ -39,6 +39,12 @@ static struct snapshot *snapshot_of(struct broker *b, uint32_t agent)
     return i != MU_NONE ? &b->snapshots.snapshots[i] : NULL;
 }
 
+/* @return whether it is at its host, whose word is awaited */
+static bool is_out(const struct snapshot *c)
+{
+    return c->phase == SNAPSHOT_SENT || c->phase == SNAPSHOT_HOLDS;
+}
+
 /* --- words ------------------------------------------------------------------------------------ */
 
 /* To a process that is no more, or an arrival whose snapshot has gone since. */
@@ -50,7 +56,7 @@ static bool word_is_void(const struct broker *b, const struct snapshot_word *w)
         return true;
     }
     return w->word == muster_TRIP_ARRIVE &&
-           (c->phase != SNAPSHOT_SENT || strcmp(c->name, w->name) != 0 || c->epoch != w->epoch);
+           (!is_out(c) || strcmp(c->name, w->name) != 0 || c->epoch != w->epoch);
 }
 
 static void word_remove(struct snapshots *d, uint32_t i)
@@ -152,9 +158,8 @@ void snapshots_sent(struct broker *b)
 
 void snapshots_drop(struct broker *b, struct snapshot *c)
 {
-    b->snapshots.holding -= c->holds;
+    b->snapshots.holding -= c->phase == SNAPSHOT_HOLDS;
     b->snapshots.count--;
-    c->holds = false;
     c->phase = SNAPSHOT_FREE;
     c->unsaved = b->journal.on && c->agent != MU_NONE; /* its line on disk goes */
 }
@@ -216,10 +221,8 @@ bool snapshots_restore(struct broker *b, uint32_t agent, uint64_t epoch, const c
 
 void snapshots_refuse(struct broker *b, struct snapshot *c, const char *reason)
 {
-    bool held = c->holds;
     b->snapshots.refused++;
-    b->snapshots.holding -= held;
-    c->holds = false;
+    b->snapshots.holding -= c->phase == SNAPSHOT_HOLDS;
     c->phase = SNAPSHOT_KEPT;
     snapshots_tell(b, c, c->source, muster_TRIP_REFUSED, reason);
     if (c->agent == MU_NONE) {
@@ -239,7 +242,7 @@ struct snapshot *snapshots_answered_by(struct broker *b, uint32_t place, const m
 {
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.count > 0; i++) {
         struct snapshot *c = &b->snapshots.snapshots[i];
-        if (c->phase == SNAPSHOT_SENT && c->target == place && c->epoch == trip->epoch &&
+        if (is_out(c) && c->target == place && c->epoch == trip->epoch &&
             strcmp(c->name, trip->agent) == 0) {
             return c;
         }
@@ -254,7 +257,7 @@ void snapshots_process_gone(struct broker *b, uint32_t place)
         if (c->phase != SNAPSHOT_FREE && c->source == place) {
             c->source = MU_NONE;
         }
-        if (c->holds && c->target == place) {
+        if (c->phase == SNAPSHOT_HOLDS && c->target == place) {
             uint64_t until_ns = b->clock.now_ns + LOSS_NS;
             c->until_ns = c->until_ns < until_ns ? c->until_ns : until_ns;
         } else if (c->phase == SNAPSHOT_SENT && c->target == place) {
@@ -280,7 +283,7 @@ static void snapshot_end(struct broker *b, struct snapshot *c)
 void snapshots_review(struct broker *b, uint32_t agent)
 {
     struct snapshot *c = snapshot_of(b, agent);
-    if (!c || c->holds) {
+    if (!c || c->phase == SNAPSHOT_HOLDS) {
         return;
     }
     const struct agent *a = &b->registry.agents[agent];
@@ -297,7 +300,7 @@ void snapshots_review(struct broker *b, uint32_t agent)
 void snapshots_heard(struct broker *b, uint32_t agent, uint32_t place)
 {
     struct snapshot *c = snapshot_of(b, agent);
-    if (c && !c->holds && c->phase == SNAPSHOT_KEPT && place != c->source) {
+    if (c && c->phase == SNAPSHOT_KEPT && place != c->source) {
         snapshot_end(b, c);
     }
 }
@@ -321,7 +324,7 @@ bool snapshots_overrule(const struct broker *b, uint32_t agent, uint32_t place,
     }
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.holding > 0; i++) {
         const struct snapshot *c = &b->snapshots.snapshots[i];
-        if (c->holds && strcmp(c->name, a->name) == 0 && c->target == place) {
+        if (c->phase == SNAPSHOT_HOLDS && strcmp(c->name, a->name) == 0 && c->target == place) {
             return true;
         }
     }
@@ -344,7 +347,8 @@ uint64_t snapshots_deadline_ns(const struct broker *b)
     uint64_t first_ns = UINT64_MAX;
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.holding > 0; i++) {
         const struct snapshot *c = &b->snapshots.snapshots[i];
-        first_ns = c->holds && c->until_ns < first_ns ? c->until_ns : first_ns;
+        bool holds = c->phase == SNAPSHOT_HOLDS;
+        first_ns = holds && c->until_ns < first_ns ? c->until_ns : first_ns;
     }
     return first_ns;
 }

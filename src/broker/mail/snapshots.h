@@ -32,9 +32,10 @@ enum { SNAPSHOT_WORDS = 4 * MU_CAPSULES_MAX };
 
 enum snapshot_phase {
     SNAPSHOT_FREE,
-    SNAPSHOT_STEP, /* it came in a step that has not ended */
-    SNAPSHOT_SENT, /* its host has it, or is about to, and has said nothing */
-    SNAPSHOT_KEPT  /* nothing is awaited */
+    SNAPSHOT_STEP,  /* it came in a step that has not ended */
+    SNAPSHOT_SENT,  /* its host has it, or is about to, and has said nothing */
+    SNAPSHOT_HOLDS, /* likewise, and the step waits for its word */
+    SNAPSHOT_KEPT   /* nothing is awaited */
 };
 
 struct snapshot {
@@ -50,7 +51,6 @@ struct snapshot {
     uint32_t host;                 /* the agent that it wants to go to */
     bool in_step;                  /* it came with the answer to a step */
     bool seated;                   /* a step has given its name to the target, and said so */
-    bool holds;                    /* the step waits for it */
     uint64_t until_ns;             /* the host's word on it is awaited for so long */
     bool unsaved;                  /* the disk is to be told that it is there, or that it is free */
     size_t len;

@@ -112,10 +112,10 @@ static void seat_tell(struct broker *b, struct snapshot *c)
 {
     b->snapshots.taken++;
     b->snapshots.holding--;
-    c->holds = false;
     c->seated = true;
     snapshots_tell(b, c, c->source, muster_TRIP_TAKEN, "");
     snapshots_tell(b, c, b->steps.simulator, muster_TRIP_TAKEN, "");
+    c->phase = SNAPSHOT_KEPT;
 }
 
 static void seat_refuse(struct broker *b, struct snapshot *c, const char *reason)
@@ -146,7 +146,6 @@ static void seat_moved(struct broker *b, struct snapshot *c, uint32_t slot)
     (free ? lifecycle_seat : lifecycle_move)(b, c->agent, c->target, slot, &is);
     b->registry.agents[c->agent].handed = true;
     seat_tell(b, c);
-    c->phase = SNAPSHOT_KEPT;
 }
 
 static bool name_is_taken(const struct broker *b, const char *name)
@@ -193,7 +192,7 @@ static void ready_take(struct broker *b, uint32_t place, const muster_Trip *trip
     struct snapshot *c = snapshots_answered_by(b, place, trip);
     if (!c) {
         snapshots_refuse_copy(b, place, trip->agent, trip->epoch, "too-late");
-    } else if (c->holds) {
+    } else if (c->phase == SNAPSHOT_HOLDS) {
         seat(b, c, trip->slot);
     } else {
         c->phase = SNAPSHOT_KEPT;
@@ -205,7 +204,7 @@ static void refusal_take(struct broker *b, uint32_t place, const muster_Trip *tr
 {
     struct snapshot *c = snapshots_answered_by(b, place, trip);
     if (c) {
-        bool held = c->holds;
+        bool held = c->phase == SNAPSHOT_HOLDS;
         snapshots_refuse(b, c, trip->reason);
         if (held) {
             step_release(b);
@@ -219,8 +218,8 @@ static bool is_orphan(const struct broker *b, const struct snapshot *c)
 {
     const struct agent *a = &b->registry.agents[c->agent];
     uint64_t absent_ns = clock_wall_ns(&b->clock) - a->since_wall_ns;
-    bool silent = c->phase == SNAPSHOT_SENT && !c->holds && c->source == MU_NONE &&
-                  c->until_ns <= b->clock.now_ns;
+    bool silent =
+        c->phase == SNAPSHOT_SENT && c->source == MU_NONE && c->until_ns <= b->clock.now_ns;
     return (c->phase == SNAPSHOT_KEPT || silent) && a->process == MU_NONE &&
            b->clock.now_ns >= ORPHAN_NS && absent_ns >= ORPHAN_NS;
 }
@@ -270,7 +269,7 @@ static bool name_is_awaited(const struct broker *b, const char *name)
 {
     for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
         const struct snapshot *c = &b->snapshots.snapshots[i];
-        if (c->holds && c->agent == MU_NONE && strcmp(c->name, name) == 0) {
+        if (c->phase == SNAPSHOT_HOLDS && c->agent == MU_NONE && strcmp(c->name, name) == 0) {
             return true;
         }
     }
@@ -291,9 +290,9 @@ static void snapshot_set_out(struct broker *b, struct snapshot *c)
         snapshots_refuse(b, c, wrong);
         return;
     }
-    c->holds = true;
-    b->snapshots.holding++;
     snapshots_send(b, c);
+    c->phase = SNAPSHOT_HOLDS;
+    b->snapshots.holding++;
 }
 
 static int asker_compare(const void *x, const void *y, const void *broker)
@@ -326,7 +325,7 @@ void transfer_run_over(struct broker *b, const char *reason)
 {
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.count > 0; i++) {
         struct snapshot *c = &b->snapshots.snapshots[i];
-        if (c->phase == SNAPSHOT_STEP || c->holds) {
+        if (c->phase == SNAPSHOT_STEP || c->phase == SNAPSHOT_HOLDS) {
             snapshots_refuse(b, c, reason);
         }
     }
@@ -338,7 +337,7 @@ void transfer_tick(struct broker *b)
 {
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.holding > 0; i++) {
         struct snapshot *c = &b->snapshots.snapshots[i];
-        if (c->holds && c->until_ns <= b->clock.now_ns) {
+        if (c->phase == SNAPSHOT_HOLDS && c->until_ns <= b->clock.now_ns) {
             snapshots_refuse_copy(b, c->target, c->name, c->epoch, "too-late");
             snapshots_refuse(b, c, "host-silent");
             step_release(b);

@@ -197,6 +197,8 @@ enum { TAP_NAME_MAX = 255, TAP_DEPTH = 8192, TAP_BATCH = 256 };
 /* Partitions of one writer, and what one offers, in bytes. */
 enum { TAP_PARTITIONS_MAX = 1023, TAP_OFFER_MAX = 511 };
 
+/* The four of two values are independent: a writer may offer any of the first three, of any topic.
+ */
 struct tap {
     char name[TAP_NAME_MAX + 1]; /* of the topic */
     char type[TAP_NAME_MAX + 1]; /* as on DDS: "muster::Frame" */
