@@ -18,6 +18,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 /* --- clock.c --------------------------------------------------------------------------------- */
 
@@ -45,7 +46,12 @@ struct clock {
 };
 
 /** Takes note of the broker's clock; an earlier time than the last one counts as the last one. */
-void clock_set_now(struct clock *c, uint64_t now_ns);
+static inline void clock_set_now(struct clock *c, uint64_t now_ns)
+{
+    if (now_ns > c->now_ns) {
+        c->now_ns = now_ns;
+    }
+}
 
 /** A run is at this time now, and goes on by steps of step_ns, or, if that is 0, with the broker's
  * clock. */
@@ -57,19 +63,34 @@ void clock_commit_begin(struct clock *c);
 void clock_commit_end(struct clock *c);
 
 /** @return whether steps move the time */
-bool clock_by_steps(const struct clock *c);
+static inline bool clock_by_steps(const struct clock *c)
+{
+    return c->mode != CLOCK_WALL;
+}
 
 /** @return whether what is done now takes effect only when the step ends */
-bool clock_collects(const struct clock *c);
+static inline bool clock_collects(const struct clock *c)
+{
+    return c->mode == CLOCK_COLLECTS;
+}
 
 /** @return how long to wait for an answer: in simulated time, if steps move the clock */
 uint64_t clock_patience_ns(const struct clock *c, uint64_t wall_ns, uint64_t steps);
 
 /** @return the run's time; 0 when none has started */
-uint64_t clock_run_ns(const struct clock *c);
+static inline uint64_t clock_run_ns(const struct clock *c)
+{
+    if (!c->runs || clock_by_steps(c)) {
+        return c->run_ns;
+    }
+    return c->run_ns + (c->now_ns - c->base_ns);
+}
 
 /** @return the mail clock's time */
-uint64_t clock_mail_ns(const struct clock *c);
+static inline uint64_t clock_mail_ns(const struct clock *c)
+{
+    return (clock_by_steps(c) ? c->run_ns : c->now_ns) + c->mail_lead_ns;
+}
 
 /** While the broker's clock moves the time: when it shows this time of the mail clock or of the
  * run. */
@@ -77,7 +98,10 @@ uint64_t clock_now_of_mail_ns(const struct clock *c, uint64_t mail_ns);
 uint64_t clock_now_of_run_ns(const struct clock *c, uint64_t run_ns);
 
 /** @return nanoseconds since 1970 */
-uint64_t clock_wall_ns(const struct clock *c);
+static inline uint64_t clock_wall_ns(const struct clock *c)
+{
+    return c->wall_ns + c->now_ns;
+}
 
 /** @return the stamp of what is done now: of the run, if it goes by steps; else since 1970 */
 uint64_t clock_stamp_ns(const struct clock *c);
@@ -109,7 +133,10 @@ void changelog_init(struct changelog *c, uint32_t capacity);
 void changelog_touch(struct changelog *c, uint32_t line);
 
 /** @return the version at which the line last changed; 0: never, or it is no more */
-uint64_t changelog_version(const struct changelog *c, uint32_t line);
+static inline uint64_t changelog_version(const struct changelog *c, uint32_t line)
+{
+    return c->lines[line].version;
+}
 
 /** A line is no more; changelog_gone tells of that, and nothing else does. */
 void changelog_remove(struct changelog *c, uint32_t line);
@@ -118,10 +145,22 @@ void changelog_remove(struct changelog *c, uint32_t line);
 uint32_t changelog_gone(struct changelog *c);
 
 /** @return the oldest line that changed after that version, or MU_NONE; costs O(changes since) */
-uint32_t changelog_after(const struct changelog *c, uint64_t version);
+static inline uint32_t changelog_after(const struct changelog *c, uint64_t version)
+{
+    uint32_t found = MU_NONE;
+    for (uint32_t line = mu_list_last(&c->list);
+         line != MU_NONE && c->lines[line].version > version;
+         line = mu_list_prev(MU_LINKS(c->lines, link), line)) {
+        found = line;
+    }
+    return found;
+}
 
 /** @return the line that changed next after this one, or MU_NONE */
-uint32_t changelog_next(const struct changelog *c, uint32_t line);
+static inline uint32_t changelog_next(const struct changelog *c, uint32_t line)
+{
+    return mu_list_next(MU_LINKS(c->lines, link), line);
+}
 
 /* --- limiter.c ------------------------------------------------------------------------------- */
 
@@ -207,7 +246,10 @@ const char *alerts_kind_word(enum alert_kind kind);
  */
 
 /** @return whether s is a string of at most max bytes */
-bool validate_string(const char *s, size_t max);
+static inline bool validate_string(const char *s, size_t max)
+{
+    return s && (s[0] == '\0' || strnlen(s, max + 1) <= max);
+}
 
 /** Checks the frame of a Registration; its entries are looked at one by one. */
 bool validate_registration(const muster_Registration *r);

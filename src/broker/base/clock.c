@@ -1,13 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/base/base.h"
 
-void clock_set_now(struct clock *c, uint64_t now_ns)
-{
-    if (now_ns > c->now_ns) {
-        c->now_ns = now_ns;
-    }
-}
-
 void clock_start(struct clock *c, uint64_t step_ns, uint64_t run_ns)
 {
     uint64_t mail_ns = clock_mail_ns(c);
@@ -36,32 +29,9 @@ void clock_commit_end(struct clock *c)
     c->mode = CLOCK_COLLECTS;
 }
 
-bool clock_by_steps(const struct clock *c)
-{
-    return c->mode != CLOCK_WALL;
-}
-
-bool clock_collects(const struct clock *c)
-{
-    return c->mode == CLOCK_COLLECTS;
-}
-
 uint64_t clock_patience_ns(const struct clock *c, uint64_t wall_ns, uint64_t steps)
 {
     return clock_by_steps(c) ? steps * c->step_ns : wall_ns;
-}
-
-uint64_t clock_run_ns(const struct clock *c)
-{
-    if (!c->runs || clock_by_steps(c)) {
-        return c->run_ns;
-    }
-    return c->run_ns + (c->now_ns - c->base_ns);
-}
-
-uint64_t clock_mail_ns(const struct clock *c)
-{
-    return (clock_by_steps(c) ? c->run_ns : c->now_ns) + c->mail_lead_ns;
 }
 
 /* When a clock that shows this will show that; what is past is due now. */
@@ -79,11 +49,6 @@ uint64_t clock_now_of_mail_ns(const struct clock *c, uint64_t mail_ns)
 uint64_t clock_now_of_run_ns(const struct clock *c, uint64_t run_ns)
 {
     return now_of(c, clock_run_ns(c), run_ns);
-}
-
-uint64_t clock_wall_ns(const struct clock *c)
-{
-    return c->wall_ns + c->now_ns;
 }
 
 uint64_t clock_stamp_ns(const struct clock *c)

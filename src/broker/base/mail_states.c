@@ -65,8 +65,3 @@ bool mail_durable_on(struct mail *m, enum mail_durable_event event)
     m->durable = (enum mail_durable)next;
     return m->durable != before;
 }
-
-bool mail_is_written(const struct mail *m)
-{
-    return m->durable >= DURABLE_WRITTEN;
-}

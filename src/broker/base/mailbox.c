@@ -13,15 +13,6 @@ void mailbox_init(struct mailbox *m, uint32_t agents)
     mailbox_set_defaults(m, muster_BOX_REFUSE_NEW, 0, 0);
 }
 
-struct box *mailbox_box(struct mailbox *m, uint32_t agent)
-{
-    struct box *box = &m->boxes[agent];
-    if (!box->begun) {
-        *box = (struct box){.begun = true, .acked = m->base, .out = MU_NONE};
-    }
-    return box;
-}
-
 void mailbox_end(struct mailbox *m, uint32_t agent)
 {
     const struct box *box = &m->boxes[agent];
@@ -111,16 +102,6 @@ static void list_remove(struct mailbox *m, struct box *box, uint32_t post)
     if (senders) {
         queue_remove(m, senders, post, LINKS_PAIR);
     }
-}
-
-uint32_t mailbox_next(const struct mailbox *m, uint32_t post)
-{
-    return mu_list_next(links_of(m, LINKS_BOX), post);
-}
-
-uint32_t mailbox_sibling(const struct mailbox *m, uint32_t post)
-{
-    return mu_list_next(links_of(m, LINKS_MAIL), post);
 }
 
 /* --- posts ------------------------------------------------------------------------------------ */
@@ -282,17 +263,6 @@ void mailbox_repeat(struct mailbox *m, uint32_t agent)
     box->written = 0;
 }
 
-uint64_t mailbox_last_number(const struct mailbox *m, uint32_t agent)
-{
-    const struct box *box = &m->boxes[agent];
-    return box->begun ? box->acked + box->lists[POST_FLIGHT].posts.count : m->base;
-}
-
-bool mailbox_number_valid(const struct mailbox *m, uint32_t agent, uint64_t number)
-{
-    return number <= mailbox_last_number(m, agent);
-}
-
 struct mail *mailbox_pop(struct mailbox *m, uint32_t agent)
 {
     struct box *box = mailbox_box(m, agent);
@@ -311,11 +281,6 @@ struct mail *mailbox_pop(struct mailbox *m, uint32_t agent)
 }
 
 /* --- watching --------------------------------------------------------------------------------- */
-
-uint32_t mailbox_watched(const struct mailbox *m)
-{
-    return mu_list_first(&m->watched);
-}
 
 void mailbox_unwatch(struct mailbox *m, uint32_t agent)
 {

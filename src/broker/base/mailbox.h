@@ -128,7 +128,14 @@ void mailbox_init(struct mailbox *m, uint32_t agents);
 
 /** @return the box of an agent; it begins if it has not, which is only for code that puts mail into
  * it: another broker is told where (names_tell_number) */
-struct box *mailbox_box(struct mailbox *m, uint32_t agent);
+static inline struct box *mailbox_box(struct mailbox *m, uint32_t agent)
+{
+    struct box *box = &m->boxes[agent];
+    if (!box->begun) {
+        *box = (struct box){.begun = true, .acked = m->base, .out = MU_NONE};
+    }
+    return box;
+}
 
 /** An agent's name ends, whose box is empty.  Boxes that begin later count from beyond its numbers:
  * a receiver that comes back drops none of them as had. */
@@ -166,13 +173,22 @@ struct box_limits mailbox_limits(const struct mailbox *m, const struct box *box)
 enum post_list mailbox_queue(const struct mail *mail);
 
 /** @return the post behind this one in its list of the box, or MU_NONE */
-uint32_t mailbox_next(const struct mailbox *m, uint32_t post);
+static inline uint32_t mailbox_next(const struct mailbox *m, uint32_t post)
+{
+    return mu_list_next(MU_LINKS(m->posts, links[LINKS_BOX]), post);
+}
 
 /** @return the next post of the same mail, or MU_NONE */
-uint32_t mailbox_sibling(const struct mailbox *m, uint32_t post);
+static inline uint32_t mailbox_sibling(const struct mailbox *m, uint32_t post)
+{
+    return mu_list_next(MU_LINKS(m->posts, links[LINKS_MAIL]), post);
+}
 
 /** @return the box without progress for longest, of those that wait for an acknowledgement */
-uint32_t mailbox_watched(const struct mailbox *m);
+static inline uint32_t mailbox_watched(const struct mailbox *m)
+{
+    return mu_list_first(&m->watched);
+}
 
 /**
  * Puts a mail into a box, or holds it until mailbox_admit, whatever the box's limits say.
@@ -216,11 +232,18 @@ uint32_t mailbox_mark_written(struct mailbox *m, uint32_t agent, uint32_t count)
 /** Everything in flight is to go out again. */
 void mailbox_repeat(struct mailbox *m, uint32_t agent);
 
-/** @return whether the receiver can have had this number */
-bool mailbox_number_valid(const struct mailbox *m, uint32_t agent, uint64_t number);
-
 /** @return the highest number that was handed out, or the one before the first */
-uint64_t mailbox_last_number(const struct mailbox *m, uint32_t agent);
+static inline uint64_t mailbox_last_number(const struct mailbox *m, uint32_t agent)
+{
+    const struct box *box = &m->boxes[agent];
+    return box->begun ? box->acked + box->lists[POST_FLIGHT].posts.count : m->base;
+}
+
+/** @return whether the receiver can have had this number */
+static inline bool mailbox_number_valid(const struct mailbox *m, uint32_t agent, uint64_t number)
+{
+    return number <= mailbox_last_number(m, agent);
+}
 
 /** Takes out the oldest post in flight, as acknowledged.  @return its mail */
 struct mail *mailbox_pop(struct mailbox *m, uint32_t agent);
@@ -290,7 +313,10 @@ void receipts_add(struct receipts *r, uint32_t agent, uint64_t first_seq, uint64
                   muster_Outcome result);
 
 /** @return how many receipts wait for an agent */
-uint32_t receipts_count(const struct receipts *r, uint32_t agent);
+static inline uint32_t receipts_count(const struct receipts *r, uint32_t agent)
+{
+    return r->queues[agent].count;
+}
 
 /** @return the receipt behind another one, or (after NULL) the agent's first; or NULL */
 const struct receipt *receipts_next(const struct receipts *r, uint32_t agent,

@@ -136,11 +136,6 @@ uint32_t pool_bytes(const struct mail *m)
     return class_bytes[m->size_class];
 }
 
-void pool_keep(struct mail *m)
-{
-    m->uses++;
-}
-
 void pool_release(struct pool *s, struct mail *m)
 {
     MU_ASSERT(m->uses > 0);

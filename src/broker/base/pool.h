@@ -8,6 +8,7 @@
 
 #include "core/list.h"
 #include "muster/limits.h"
+#include "muster/result.h"
 #include "wire.h"
 
 #include <stdbool.h>
@@ -48,8 +49,20 @@ enum quota_answer quota_ask(const struct quota_use *own, const struct quota_use 
                             const struct quota_use *want, const struct quota_use *most,
                             const struct quota_use *floor);
 
-void quota_add(struct quota_use *use, const struct quota_use *more);
-void quota_subtract(struct quota_use *use, const struct quota_use *less);
+static inline void quota_add(struct quota_use *use, const struct quota_use *more)
+{
+    use->mails += more->mails;
+    use->bytes += more->bytes;
+    use->posts += more->posts;
+}
+
+static inline void quota_subtract(struct quota_use *use, const struct quota_use *less)
+{
+    MU_ASSERT(use->mails >= less->mails && use->bytes >= less->bytes && use->posts >= less->posts);
+    use->mails -= less->mails;
+    use->bytes -= less->bytes;
+    use->posts -= less->posts;
+}
 
 /* The store's accounts.  Those inside a run are apart: what others send by the wall clock does
  * not change what a sender in it may send. */
@@ -90,8 +103,12 @@ bool quota_restore(struct quota_accounts *a, enum quota_side *side, uint32_t sen
                    const struct quota_use *want);
 
 /** Takes back some of what was booked. */
-void quota_unbook(struct quota_accounts *a, enum quota_side side, uint32_t sender,
-                  const struct quota_use *less);
+static inline void quota_unbook(struct quota_accounts *a, enum quota_side side, uint32_t sender,
+                                const struct quota_use *less)
+{
+    quota_subtract(&a->senders[side][sender], less);
+    quota_subtract(&a->all[side], less);
+}
 
 /* --- pool.c ---------------------------------------------------------------------------------- */
 
@@ -159,7 +176,7 @@ struct mail {
     uint32_t uses;        /* freed at 0 */
     uint32_t bytes;
     uint32_t size_class;
-    struct mail *older, *newer;     /* of those that wait in boxes; see arrivals.h */
+    struct mail *older, *newer;     /* of those that wait in boxes; see arrivals */
     uint64_t came_ns;               /* on the mail clock */
     struct quota_use booked;        /* on its sender's account */
     struct quota_use booked_veiled; /* for those outside, on its sender's account there */
@@ -196,7 +213,10 @@ struct mail *pool_put(struct pool *s, const muster_Mail *letter);
 /** @return the bytes of the store that a mail takes */
 uint32_t pool_bytes(const struct mail *m);
 
-void pool_keep(struct mail *m);
+static inline void pool_keep(struct mail *m)
+{
+    m->uses++;
+}
 
 /** Ends one use; the last one frees the mail. */
 void pool_release(struct pool *s, struct mail *m);
@@ -232,7 +252,10 @@ muster_Outcome mail_outcome(const struct mail *m);
 bool mail_durable_on(struct mail *m, enum mail_durable_event event);
 
 /** @return whether the mail has a row on disk */
-bool mail_is_written(const struct mail *m);
+static inline bool mail_is_written(const struct mail *m)
+{
+    return m->durable >= DURABLE_WRITTEN;
+}
 
 /* --- timers.c -------------------------------------------------------------------------------- */
 
@@ -253,9 +276,12 @@ void timers_add(struct timers *s, struct mail *m);
 void timers_remove(struct timers *s, struct mail *m);
 
 /** @return the earliest mail, or NULL */
-struct mail *timers_first(const struct timers *s);
+static inline struct mail *timers_first(const struct timers *s)
+{
+    return s->count ? s->heap[0] : NULL;
+}
 
-/* --- arrivals.c ------------------------------------------------------------------------------ */
+/* --- arrivals ------------------------------------------------------------------------------- */
 
 /* Mails that wait in boxes, in the order in which they came: the oldest is always at hand. */
 
@@ -264,12 +290,38 @@ struct arrivals {
 };
 
 /** A mail waits from now on; mail_ns is the mail clock's time and never less than the last. */
-void arrivals_add(struct arrivals *a, struct mail *m, uint64_t mail_ns);
+static inline void arrivals_add(struct arrivals *a, struct mail *m, uint64_t mail_ns)
+{
+    m->came_ns = mail_ns;
+    m->older = a->newest;
+    m->newer = NULL;
+    if (a->newest) {
+        a->newest->newer = m;
+    } else {
+        a->oldest = m;
+    }
+    a->newest = m;
+}
 
 /** It waits no more. */
-void arrivals_remove(struct arrivals *a, struct mail *m);
+static inline void arrivals_remove(struct arrivals *a, struct mail *m)
+{
+    if (m->older) {
+        m->older->newer = m->newer;
+    } else {
+        a->oldest = m->newer;
+    }
+    if (m->newer) {
+        m->newer->older = m->older;
+    } else {
+        a->newest = m->older;
+    }
+}
 
 /** @return how long the oldest has waited; 0 when none waits */
-uint64_t arrivals_oldest_ns(const struct arrivals *a, uint64_t mail_ns);
+static inline uint64_t arrivals_oldest_ns(const struct arrivals *a, uint64_t mail_ns)
+{
+    return a->oldest && mail_ns > a->oldest->came_ns ? mail_ns - a->oldest->came_ns : 0;
+}
 
 #endif

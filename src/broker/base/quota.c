@@ -36,21 +36,6 @@ enum quota_answer quota_ask(const struct quota_use *own, const struct quota_use 
     return worst;
 }
 
-void quota_add(struct quota_use *use, const struct quota_use *more)
-{
-    use->mails += more->mails;
-    use->bytes += more->bytes;
-    use->posts += more->posts;
-}
-
-void quota_subtract(struct quota_use *use, const struct quota_use *less)
-{
-    MU_ASSERT(use->mails >= less->mails && use->bytes >= less->bytes && use->posts >= less->posts);
-    use->mails -= less->mails;
-    use->bytes -= less->bytes;
-    use->posts -= less->posts;
-}
-
 /* --- the store's accounts --------------------------------------------------------------------- */
 
 void quota_init(struct quota_accounts *a, uint32_t agents)
@@ -109,11 +94,4 @@ bool quota_restore(struct quota_accounts *a, enum quota_side *side, uint32_t sen
         }
     }
     return false;
-}
-
-void quota_unbook(struct quota_accounts *a, enum quota_side side, uint32_t sender,
-                  const struct quota_use *less)
-{
-    quota_subtract(&a->senders[side][sender], less);
-    quota_subtract(&a->all[side], less);
 }

@@ -12,11 +12,6 @@ void receipts_init(struct receipts *r, uint32_t agents)
     mu_pool_init(&r->pool, MU_MAILS_MAX);
 }
 
-uint32_t receipts_count(const struct receipts *r, uint32_t agent)
-{
-    return r->queues[agent].count;
-}
-
 const struct receipt *receipts_next(const struct receipts *r, uint32_t agent,
                                     const struct receipt *after)
 {

@@ -66,8 +66,3 @@ void timers_remove(struct timers *s, struct mail *m)
     heap_down(s, i, last);
     heap_up(s, last->place[s->kind], last);
 }
-
-struct mail *timers_first(const struct timers *s)
-{
-    return s->count ? s->heap[0] : NULL;
-}

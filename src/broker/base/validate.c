@@ -6,11 +6,6 @@
 
 #include <string.h>
 
-bool validate_string(const char *s, size_t max)
-{
-    return s && (s[0] == '\0' || strnlen(s, max + 1) <= max);
-}
-
 static bool validate_process(const char *name)
 {
     return validate_string(name, MU_PROCESS_MAX) && validate_process_name(name);

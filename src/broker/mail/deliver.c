@@ -7,7 +7,7 @@ bool deliver_book(struct broker *b, struct mail *m, struct recipients *to)
 {
     to->veiled = 0;
     for (uint32_t i = 0; i < to->count; i++) {
-        to->veiled += recipients_veils(b, m, to->agents[i]);
+        to->veiled += recipients_veils(&b->registry, m, to->agents[i]);
     }
     if (ledger_charge(b, m, to->count - to->veiled)) {
         if (to->veiled > 0 && !ledger_charge_veiled(b, m, to->veiled)) {
@@ -50,7 +50,7 @@ static bool post_put(struct broker *b, struct mail *m, uint32_t agent, bool held
     }
     b->counters.waiting++;
     m->unsettled++;
-    if (recipients_veils(b, m, agent)) {
+    if (recipients_veils(&b->registry, m, agent)) {
         mailbox_veil(&b->mailbox, m);
     }
     residents_wake(&b->registry, &b->processes, agent);
@@ -115,7 +115,7 @@ struct delivered deliver_put(struct broker *b, struct mail *m, const struct reci
             continue;
         }
         if (!post_put(b, m, agent, done.held)) {
-            done.fits = done.fits && recipients_veils(b, m, agent);
+            done.fits = done.fits && recipients_veils(&b->registry, m, agent);
         } else {
             done.stored = done.stored || names_gate(b, agent) < needs;
         }

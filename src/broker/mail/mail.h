@@ -79,7 +79,10 @@ void recipients_of_answer(struct broker *b, const char *names, uint32_t sender,
  * @return whether the agent is outside a run that the mail's sender is in: what becomes of
  *         the mail there, and when, is no business of those inside
  */
-bool recipients_veils(const struct broker *b, const struct mail *m, uint32_t agent);
+static inline bool recipients_veils(const struct registry *r, const struct mail *m, uint32_t agent)
+{
+    return scope_crosses(registry_scope(r, m->sender), registry_scope(r, agent));
+}
 
 /** Takes those outside out of it: they are not reached. */
 void recipients_unveil(const struct broker *b, const struct mail *m, struct recipients *to);

@@ -8,17 +8,11 @@
 
 #include <string.h>
 
-bool recipients_veils(const struct broker *b, const struct mail *m, uint32_t agent)
-{
-    return scope_crosses(registry_scope(&b->registry, m->sender),
-                         registry_scope(&b->registry, agent));
-}
-
 void recipients_unveil(const struct broker *b, const struct mail *m, struct recipients *to)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < to->count; i++) {
-        if (!recipients_veils(b, m, to->agents[i])) {
+        if (!recipients_veils(&b->registry, m, to->agents[i])) {
             to->agents[kept++] = to->agents[i];
         }
     }

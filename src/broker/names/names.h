@@ -156,10 +156,16 @@ static inline uint8_t registry_scope(const struct registry *r, uint32_t agent)
 }
 
 /** @return the index of a name, or MU_NONE */
-uint32_t registry_find(const struct registry *r, const char *name);
+static inline uint32_t registry_find(const struct registry *r, const char *name)
+{
+    return mu_table_find(&r->names, name);
+}
 
 /** @return whether it is the broker or one of its parts */
-bool registry_is_own(uint32_t agent);
+static inline bool registry_is_own(uint32_t agent)
+{
+    return agent < REGISTRY_OWN;
+}
 
 /** @return why no agent may register that name as that kind, or NULL */
 const char *registry_objection(const char *name, muster_Kind kind);

@@ -53,37 +53,6 @@ enum turn_state processes_next_turn(enum turn_state turn, enum turn_event event)
     return next == X ? TURNS : (enum turn_state)next;
 }
 
-bool processes_is_matched(const struct process *at)
-{
-    static const bool matched[SESSIONS] = {[SESSION_THERE] = true,
-                                           [SESSION_HEARS] = true,
-                                           [SESSION_THERE_SILENT] = true,
-                                           [SESSION_HEARS_SILENT] = true};
-    return matched[at->session];
-}
-
-bool processes_hears(const struct process *at)
-{
-    return at->session == SESSION_HEARS || at->session == SESSION_HEARS_SILENT;
-}
-
-bool processes_is_silent(const struct process *at)
-{
-    static const bool silent[SESSIONS] = {
-        [SESSION_AWAY_SILENT] = true, [SESSION_THERE_SILENT] = true, [SESSION_HEARS_SILENT] = true};
-    return silent[at->session];
-}
-
-bool processes_is_held(const struct process *at)
-{
-    return at->turn == TURN_HELD || at->turn == TURN_HELD_READY;
-}
-
-bool processes_is_refused(const struct process *at)
-{
-    return at->turn == TURN_REFUSED || at->turn == TURN_REFUSED_READY;
-}
-
 /* --- places ----------------------------------------------------------------------------------- */
 
 void processes_init(struct processes *p)
@@ -93,11 +62,6 @@ void processes_init(struct processes *p)
     p->unmatched = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->unmatched);
     p->queue = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->queue);
     mu_table_init(&p->names, MU_PROCESSES_MAX);
-}
-
-uint32_t processes_find(const struct processes *p, const char *name)
-{
-    return mu_table_find(&p->names, name);
 }
 
 static bool place_is_needed(const struct process *at)

@@ -147,7 +147,10 @@ struct processes {
 void processes_init(struct processes *p);
 
 /** @return the index of a process, or MU_NONE */
-uint32_t processes_find(const struct processes *p, const char *name);
+static inline uint32_t processes_find(const struct processes *p, const char *name)
+{
+    return mu_table_find(&p->names, name);
+}
 
 /** Finds a process or enters it.  @return its index, or MU_NONE when full */
 uint32_t processes_get(struct processes *p, const char *name);
@@ -183,11 +186,31 @@ enum session processes_next_session(enum session session, enum session_event eve
 
 enum turn_state processes_next_turn(enum turn_state turn, enum turn_event event);
 
-bool processes_is_held(const struct process *at);
-bool processes_is_refused(const struct process *at);
-bool processes_is_matched(const struct process *at);
-bool processes_hears(const struct process *at);
-bool processes_is_silent(const struct process *at);
+static inline bool processes_is_held(const struct process *at)
+{
+    return at->turn == TURN_HELD || at->turn == TURN_HELD_READY;
+}
+
+static inline bool processes_is_refused(const struct process *at)
+{
+    return at->turn == TURN_REFUSED || at->turn == TURN_REFUSED_READY;
+}
+
+static inline bool processes_is_matched(const struct process *at)
+{
+    return at->session == SESSION_THERE || at->session == SESSION_HEARS ||
+           at->session == SESSION_THERE_SILENT || at->session == SESSION_HEARS_SILENT;
+}
+
+static inline bool processes_hears(const struct process *at)
+{
+    return at->session == SESSION_HEARS || at->session == SESSION_HEARS_SILENT;
+}
+
+static inline bool processes_is_silent(const struct process *at)
+{
+    return at->session >= SESSION_AWAY_SILENT;
+}
 
 /* --- residents.c ----------------------------------------------------------------------------- */
 
@@ -218,7 +241,10 @@ void residents_wake(struct registry *r, struct processes *p, uint32_t agent);
  * @return an agent of the place that was woken since it was last served or calmed, or
  * RESIDENTS_NONE: so no waiting agent has to be looked at twice
  */
-uint32_t residents_stirred(const struct processes *p, uint32_t place);
+static inline uint32_t residents_stirred(const struct processes *p, uint32_t place)
+{
+    return mu_list_first(&p->at[place].queues[RESIDENT_STIRRED]);
+}
 
 /** What the agent has to be told can wait, until it is woken again. */
 void residents_calm(struct registry *r, struct processes *p, uint32_t agent);

@@ -18,16 +18,6 @@ void registry_init(struct registry *r)
     mu_table_init(&r->names, REGISTRY_MAX);
 }
 
-uint32_t registry_find(const struct registry *r, const char *name)
-{
-    return mu_table_find(&r->names, name);
-}
-
-bool registry_is_own(uint32_t agent)
-{
-    return agent < REGISTRY_OWN;
-}
-
 const char *registry_objection(const char *name, muster_Kind kind)
 {
     if (!mu_name_valid(name)) {

@@ -99,11 +99,6 @@ uint32_t residents_pop(struct registry *r, struct processes *p, uint32_t place)
     return agent;
 }
 
-uint32_t residents_stirred(const struct processes *p, uint32_t place)
-{
-    return mu_list_first(&p->at[place].queues[RESIDENT_STIRRED]);
-}
-
 void residents_calm(struct registry *r, struct processes *p, uint32_t agent)
 {
     queue_remove(r, &p->at[resident_of(r, agent)->place], RESIDENT_STIRRED, agent);

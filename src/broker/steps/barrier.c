@@ -8,9 +8,6 @@
 
 #include <string.h>
 
-/* Mails that wait for the end of a step, in bytes of the store: from inside, and from outside. */
-enum { OUTSIDE_BYTES = MU_STEP_BYTES_MAX / 4, STEP_BYTES = MU_STEP_BYTES_MAX - OUTSIDE_BYTES };
-
 void steps_init(struct steps *l, uint32_t agents)
 {
     *l = (struct steps){.simulator = MU_NONE};
@@ -115,12 +112,6 @@ static struct turn *turn_open(struct steps *l, uint32_t agent)
     return turn;
 }
 
-void steps_open_turn(struct steps *l)
-{
-    uint32_t each = STEP_BYTES / (l->roster_count > 0 ? l->roster_count : 1);
-    l->turn_bytes = each > POOL_RECORD_MAX ? each : POOL_RECORD_MAX;
-}
-
 static bool mail_is_durable(const struct mail *m)
 {
     return m->letter.level != muster_LEVEL_RAM && m->letter.hops == 0;
@@ -155,8 +146,8 @@ void steps_count_outside(struct steps *l, const struct mail *m, uint32_t by)
 bool steps_keep(struct broker *b, struct mail *m, bool from_outside)
 {
     struct steps *l = &b->steps;
-    static const struct quota_use most = {.mails = UINT32_MAX, .bytes = OUTSIDE_BYTES};
-    static const struct quota_use least = {.mails = UINT32_MAX, .bytes = OUTSIDE_BYTES / 64};
+    static const struct quota_use most = {.mails = UINT32_MAX, .bytes = STEPS_OUTSIDE_BYTES};
+    static const struct quota_use least = {.mails = UINT32_MAX, .bytes = STEPS_OUTSIDE_BYTES / 64};
     struct turn *turn = turn_open(l, m->sender);
     struct quota_use want = {.mails = 1, .bytes = pool_bytes(m)};
     if (from_outside) {

@@ -66,6 +66,9 @@ static inline enum scope role_scope(enum role role)
 /* Mails from outside that take effect in one step; the others wait for the next one. */
 enum { STEPS_OUTSIDE_MAX = 1024 };
 
+/* Of the mails that wait for the end of a step, in bytes of the store, those from outside. */
+enum { STEPS_OUTSIDE_BYTES = MU_STEP_BYTES_MAX / 4 };
+
 struct mail_list {
     struct mail *first, *last;
     uint32_t count;
@@ -141,7 +144,12 @@ enum steps_effect steps_effect(const struct broker *b, uint32_t place, int64_t s
 uint32_t steps_missing(const struct steps *l);
 
 /** An Up begins: what it may bring depends on the roster alone, not on what came before it. */
-void steps_open_turn(struct steps *l);
+static inline void steps_open_turn(struct steps *l)
+{
+    uint32_t all = MU_STEP_BYTES_MAX - STEPS_OUTSIDE_BYTES;
+    uint32_t each = all / (l->roster_count > 0 ? l->roster_count : 1);
+    l->turn_bytes = each > POOL_RECORD_MAX ? each : POOL_RECORD_MAX;
+}
 
 /**
  * Keeps an admitted mail for the end of the step; what the store has room for is decided then.
