@@ -254,9 +254,9 @@ $(O)/src/run/run_start.o $(O)/src/run/run_report.o: override CPPFLAGS += -DMU_CL
 
 # In the library, and not where time is spent: small, not fast.
 COLD := $(patsubst %,$(O)/src/%.o,stats/approach stats/explored stats/goal stats/stats \
-  runtime/watch runtime/watch_sample runtime/resolver runtime/directory_changes runtime/transfers \
+  runtime/watch runtime/watch_states runtime/watch_sample runtime/resolver runtime/directory_changes runtime/transfers \
   runtime/probes runtime/probes_look runtime/kind_base runtime/life runtime/link runtime/choice \
-  runtime/process_states runtime/agent_life runtime/roll)
+  bus/beacons runtime/process_states runtime/agent_life runtime/roll)
 ifeq ($(BUILD),release)
 $(COLD): CFLAGS += -Os
 endif

@@ -234,7 +234,7 @@ static void post_round(struct node *p)
 {
     beacon_hear(&p->herald);
     beacon_tell(&p->herald, p->broker, &p->bags);
-    links_follow(&p->peers, &p->herald.beacons, p->broker, post_now(p));
+    links_follow(&p->peers, &p->herald.beacons.others, p->broker, post_now(p));
     post_take(p);
     bool look = mu_clock_ns() - p->looked_ns >= LOOK_NS;
     outlets_follow(&p->bags, p->broker);

@@ -1,76 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "runtime/choice.h"
 
-#include "core/text.h"
-
 #include <string.h>
 
-const struct choice_broker *choice_find(const struct choice *c, const char *name)
+void choice_follow(struct beacons *c, const char *name, uint64_t incarnation)
 {
-    for (uint32_t i = 0; i < c->count; i++) {
-        if (strcmp(c->brokers[i].name, name) == 0) {
-            return &c->brokers[i];
-        }
-    }
-    return NULL;
-}
-
-static struct choice_broker *broker_of(struct choice *c, const char *name)
-{
-    const struct choice_broker *b = choice_find(c, name);
-    return b ? &c->brokers[b - c->brokers] : NULL;
-}
-
-static struct choice_broker *broker_add(struct choice *c)
-{
-    if (c->count < MU_BROKERS_MAX) {
-        return &c->brokers[c->count++];
-    }
-    for (uint32_t i = 0; i < c->count; i++) {
-        if (!c->brokers[i].there) {
-            return &c->brokers[i];
-        }
-    }
-    return NULL;
-}
-
-void choice_note(struct choice *c, const muster_Beacon *beacon)
-{
-    struct choice_broker *b = broker_of(c, beacon->broker);
-    /* A second broker of a name takes no agents until it is sure of it, and then it is not there
-     * any more: it does not hide the first. */
-    if (b && b->there && b->incarnation != beacon->incarnation && !beacon->takes_agents) {
-        return;
-    }
-    b = b ? b : broker_add(c);
-    if (!b) {
-        return;
-    }
-    *b = (struct choice_broker){.incarnation = beacon->incarnation,
-                                .index = beacon->index,
-                                .there = true,
-                                .takes_agents = beacon->takes_agents};
-    mu_text_copy(b->name, sizeof b->name, beacon->broker);
-    mu_text_copy(b->host, sizeof b->host, beacon->host);
-}
-
-void choice_lose(struct choice *c, const char *name)
-{
-    struct choice_broker *b = broker_of(c, name);
-    if (b) {
-        b->there = false;
-    }
-}
-
-void choice_follow(struct choice *c, const char *name, uint64_t incarnation)
-{
-    struct choice_broker *b = broker_of(c, name);
+    struct beacons_broker *b = beacons_find(c, name);
     if (b) {
         b->incarnation = incarnation;
     }
 }
 
-static bool is_better(const struct choice_broker *a, const struct choice_broker *b,
+static bool is_better(const struct beacons_broker *a, const struct beacons_broker *b,
                       const char *host)
 {
     bool near_a = strcmp(a->host, host) == 0;
@@ -81,12 +22,12 @@ static bool is_better(const struct choice_broker *a, const struct choice_broker 
     return a->index != b->index ? a->index < b->index : strcmp(a->name, b->name) < 0;
 }
 
-const struct choice_broker *choice_best(const struct choice *c, const char *host,
-                                        const char *wanted)
+const struct beacons_broker *choice_best(const struct beacons *c, const char *host,
+                                         const char *wanted)
 {
-    const struct choice_broker *best = NULL;
+    const struct beacons_broker *best = NULL;
     for (uint32_t i = 0; i < c->count; i++) {
-        const struct choice_broker *b = &c->brokers[i];
+        const struct beacons_broker *b = &c->at[i];
         bool will_do = b->there && b->takes_agents && (!wanted || strcmp(b->name, wanted) == 0);
         if (will_do && (!best || is_better(b, best, host))) {
             best = b;
@@ -95,7 +36,7 @@ const struct choice_broker *choice_best(const struct choice *c, const char *host
     return best;
 }
 
-bool choice_is_final(const struct choice_broker *b, const char *host, const char *wanted)
+bool choice_is_final(const struct beacons_broker *b, const char *host, const char *wanted)
 {
     return wanted || (b->index == 0 && strcmp(b->host, host) == 0);
 }

@@ -39,9 +39,9 @@ static void beacons_take(struct link *l)
         if (life == BUS_DATA) {
             bool is_ours = beacon->incarnation == l->incarnation;
             l->lives_ns = is_ours ? mu_clock_ns() : l->lives_ns;
-            choice_note(&l->choice, beacon);
+            (void)beacons_note(&l->known, beacon);
         } else {
-            choice_lose(&l->choice, beacon->broker);
+            (void)beacons_lose(&l->known, beacon->broker);
         }
     }
 }
@@ -118,12 +118,12 @@ bool link_is_ours(mu_process *p, const muster_Delivery *d)
         strcmp(d->broker, l->broker) != 0) {
         return false;
     }
-    choice_follow(&l->choice, l->broker, d->broker_incarnation);
+    choice_follow(&l->known, l->broker, d->broker_incarnation);
     return broker_enter(p, d->broker, d->broker_incarnation) == MU_OK;
 }
 
 /* The broker is there: if it has missed us, our next heartbeat tells it. */
-static mu_result broker_keep(mu_process *p, const struct choice_broker *now, uint64_t now_ns,
+static mu_result broker_keep(mu_process *p, const struct beacons_broker *now, uint64_t now_ns,
                              bool *turned)
 {
     struct link *l = &p->link;
@@ -140,7 +140,7 @@ static mu_result broker_keep(mu_process *p, const struct choice_broker *now, uin
 }
 
 /* @return whether it is too early to choose, as a better broker may be heard of */
-static bool must_wait(struct link *l, const struct choice_broker *best, const char *host,
+static bool must_wait(struct link *l, const struct beacons_broker *best, const char *host,
                       uint64_t now_ns)
 {
     l->heard_ns = l->heard_ns ? l->heard_ns : now_ns;
@@ -162,7 +162,7 @@ mu_result link_look(mu_process *p, bool *turned)
     if (process_in_lockstep(p)) {
         return MU_OK; /* a run that has lost its broker ends */
     }
-    const struct choice_broker *now = choice_find(&l->choice, l->broker);
+    const struct beacons_broker *now = beacons_find(&l->known, l->broker);
     if (now && now->there) {
         return broker_keep(p, now, now_ns, turned);
     }
@@ -171,8 +171,8 @@ mu_result link_look(mu_process *p, bool *turned)
     }
     bool is_first = l->broker[0] == '\0';
     l->silent = !is_first;
-    const struct choice_broker *best =
-        choice_best(&l->choice, p->host, is_first && l->wanted[0] ? l->wanted : NULL);
+    const struct beacons_broker *best =
+        choice_best(&l->known, p->host, is_first && l->wanted[0] ? l->wanted : NULL);
     if (!best || must_wait(l, best, p->host, now_ns)) {
         return MU_OK;
     }

@@ -14,7 +14,7 @@ enum { LINK_PARTITION_MAX = sizeof "broker." + MU_NAME_MAX };
 
 struct link {
     struct bus_reader beacons;
-    struct choice choice;
+    struct beacons known;
     char wanted[MU_NAME_MAX + 1];       /* to begin with; "": any */
     char broker[MU_NAME_MAX + 1];       /* "": none yet */
     char partition[LINK_PARTITION_MAX]; /* of its Up reader */

@@ -46,7 +46,7 @@ void beacon_hear(struct beacon *h)
     while (!h->yields && (beacon = bus_next(&h->heard, &life))) {
         if (life == BUS_DATA) {
             beacon_take(h, beacon);
-        } else if (beacon_table_lose(&h->beacons, beacon->broker)) {
+        } else if (beacons_lose(&h->beacons.others, beacon->broker)) {
             mu_log(MU_LOG_INFO, "broker-lost", "name=%s", beacon->broker);
         }
     }

@@ -37,22 +37,12 @@ static void line_open(struct links *p, const char *name)
     }
 }
 
-static bool is_there(const struct beacon_table *beacons, const char *name)
-{
-    for (uint32_t i = 0; i < beacons->count; i++) {
-        if (beacons->others[i].there && strcmp(beacons->others[i].name, name) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-void links_follow(struct links *p, const struct beacon_table *beacons, struct broker *b,
-                  uint64_t now_ns)
+void links_follow(struct links *p, struct beacons *beacons, struct broker *b, uint64_t now_ns)
 {
     uint32_t kept = 0, before = p->count;
     for (uint32_t i = 0; i < p->count; i++) {
-        if (is_there(beacons, p->lines[i].name)) {
+        const struct beacons_broker *other = beacons_find(beacons, p->lines[i].name);
+        if (other && other->there) {
             p->lines[kept++] = p->lines[i];
         } else {
             bus_writer_close(&p->lines[i].ups);
@@ -60,8 +50,8 @@ void links_follow(struct links *p, const struct beacon_table *beacons, struct br
     }
     p->count = kept;
     for (uint32_t i = 0; i < beacons->count; i++) {
-        if (beacons->others[i].there && !line_find(p, beacons->others[i].name)) {
-            line_open(p, beacons->others[i].name);
+        if (beacons->at[i].there && !line_find(p, beacons->at[i].name)) {
+            line_open(p, beacons->at[i].name);
         }
     }
     if (p->count > 0 || before > 0) {

@@ -9,6 +9,7 @@
 #include "broker/control/broker.h"
 #include "broker/mail/mail.h"
 #include "broker/services/services.h"
+#include "bus/beacons.h"
 #include "bus/bus.h"
 #include "core/network.h"
 #include "core/table.h"
@@ -85,19 +86,12 @@ bool outlets_look(struct outlets *m, struct broker *b, const char *mute, bool al
 
 /* The brokers of the network as this one sees them, and whether its own name is its own.  Pure. */
 
-struct beacon_other {
-    char name[MU_NAME_MAX + 1];
-    uint64_t incarnation;
-    bool there; /* not silent */
-};
-
 struct beacon_table {
     char name[MU_NAME_MAX + 1]; /* of this broker */
     char host[MU_FIELD_MAX + 1];
     uint64_t incarnation;
     uint32_t pid;
-    struct beacon_other others[MU_BROKERS_MAX];
-    uint32_t count;
+    struct beacons others;
     uint64_t refused; /* brokers that did not fit */
 };
 
@@ -110,9 +104,6 @@ enum beacon_news {
 
 /** Takes a heartbeat. */
 enum beacon_news beacon_table_hear(struct beacon_table *b, const muster_Beacon *beacon);
-
-/** A broker is silent, or has left.  @return whether it was there */
-bool beacon_table_lose(struct beacon_table *b, const char *name);
 
 /* --- heartbeat.c ----------------------------------------------------------------------------- */
 
@@ -196,8 +187,7 @@ struct links {
 MU_MUST_USE mu_result links_open(struct links *p, struct bus *bus, const char *place);
 
 /** Opens a line to each broker that is there, and closes the others. */
-void links_follow(struct links *p, const struct beacon_table *beacons, struct broker *b,
-                  uint64_t now_ns);
+void links_follow(struct links *p, struct beacons *beacons, struct broker *b, uint64_t now_ns);
 
 /** Takes what other brokers deliver. */
 void links_take(struct links *p, struct broker *b, uint64_t now_ns);

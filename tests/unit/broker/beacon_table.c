@@ -32,9 +32,9 @@ static void test_others_come_and_go(void)
     CU_ASSERT_EQUAL(hear(&b, "beta", 7), BEACON_MET);
     CU_ASSERT_EQUAL(hear(&b, "beta", 7), BEACON_NOTHING);
     CU_ASSERT_EQUAL(hear(&b, "beta", 8), BEACON_MET); /* another life */
-    CU_ASSERT_TRUE(beacon_table_lose(&b, "beta"));
-    CU_ASSERT_FALSE(beacon_table_lose(&b, "beta"));
-    CU_ASSERT_FALSE(beacon_table_lose(&b, "gamma"));
+    CU_ASSERT_TRUE(beacons_lose(&b.others, "beta"));
+    CU_ASSERT_FALSE(beacons_lose(&b.others, "beta"));
+    CU_ASSERT_FALSE(beacons_lose(&b.others, "gamma"));
     CU_ASSERT_EQUAL(hear(&b, "beta", 8), BEACON_MET);
     muster_Beacon doubtful = beacon("beta", 9);
     doubtful.takes_agents = false;
@@ -47,7 +47,7 @@ static void test_the_earlier_one_of_a_name_stays(void)
     struct beacon_table b = own();
     CU_ASSERT_EQUAL(hear(&b, "alpha", 4), BEACON_EARLIER);
     CU_ASSERT_EQUAL(hear(&b, "alpha", 6), BEACON_LATER);
-    CU_ASSERT_EQUAL(b.count, 0);
+    CU_ASSERT_EQUAL(b.others.count, 0);
 }
 
 /* Each of two that began at the same time says the same of who stays. */
@@ -76,7 +76,7 @@ static void test_limit_brokers(void)
     }
     CU_ASSERT_EQUAL(hear(&b, "more", 1), BEACON_NOTHING);
     CU_ASSERT_EQUAL(b.refused, 1);
-    CU_ASSERT_TRUE(beacon_table_lose(&b, "b3"));
+    CU_ASSERT_TRUE(beacons_lose(&b.others, "b3"));
     CU_ASSERT_EQUAL(hear(&b, "more", 1), BEACON_MET);
     CU_ASSERT_EQUAL(hear(&b, "b4", 1), BEACON_NOTHING);
     CU_ASSERT_EQUAL(b.refused, 1);

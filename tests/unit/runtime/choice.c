@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static struct choice choice;
+static struct beacons choice;
 
 static muster_Beacon beacon(const char *name, const char *host, uint32_t index)
 {
@@ -21,12 +21,12 @@ static muster_Beacon beacon(const char *name, const char *host, uint32_t index)
 static void note(const char *name, const char *host, uint32_t index)
 {
     muster_Beacon b = beacon(name, host, index);
-    choice_note(&choice, &b);
+    (void)beacons_note(&choice, &b);
 }
 
 static const char *best(const char *wanted)
 {
-    const struct choice_broker *b = choice_best(&choice, "here", wanted);
+    const struct beacons_broker *b = choice_best(&choice, "here", wanted);
     return b ? b->name : "none";
 }
 
@@ -59,10 +59,10 @@ static void test_nothing_can_be_better(void)
     note("a", "here", 0);
     note("b", "here", 2);
     note("c", "there", 0);
-    CU_ASSERT_TRUE(choice_is_final(choice_find(&choice, "a"), "here", NULL));
-    CU_ASSERT_FALSE(choice_is_final(choice_find(&choice, "b"), "here", NULL));
-    CU_ASSERT_FALSE(choice_is_final(choice_find(&choice, "c"), "here", NULL));
-    CU_ASSERT_TRUE(choice_is_final(choice_find(&choice, "c"), "here", "c"));
+    CU_ASSERT_TRUE(choice_is_final(beacons_find(&choice, "a"), "here", NULL));
+    CU_ASSERT_FALSE(choice_is_final(beacons_find(&choice, "b"), "here", NULL));
+    CU_ASSERT_FALSE(choice_is_final(beacons_find(&choice, "c"), "here", NULL));
+    CU_ASSERT_TRUE(choice_is_final(beacons_find(&choice, "c"), "here", "c"));
 }
 
 static void test_who_is_silent_or_full_is_not_chosen(void)
@@ -70,16 +70,16 @@ static void test_who_is_silent_or_full_is_not_chosen(void)
     begin();
     note("a", "here", 0);
     note("b", "here", 2);
-    choice_lose(&choice, "a");
-    choice_lose(&choice, "nobody");
+    (void)beacons_lose(&choice, "a");
+    (void)beacons_lose(&choice, "nobody");
     CU_ASSERT_STRING_EQUAL(best(NULL), "b");
     CU_ASSERT_STRING_EQUAL(best("a"), "none");
-    CU_ASSERT_FALSE(choice_find(&choice, "a")->there);
+    CU_ASSERT_FALSE(beacons_find(&choice, "a")->there);
     muster_Beacon full = beacon("b", "here", 2);
     full.takes_agents = false;
-    choice_note(&choice, &full);
+    (void)beacons_note(&choice, &full);
     CU_ASSERT_STRING_EQUAL(best(NULL), "none");
-    CU_ASSERT_TRUE(choice_find(&choice, "b")->there);
+    CU_ASSERT_TRUE(beacons_find(&choice, "b")->there);
     note("a", "here", 0);
     CU_ASSERT_STRING_EQUAL(best(NULL), "a");
 }
@@ -91,13 +91,13 @@ static void test_another_life_is_noticed(void)
     muster_Beacon b = beacon("a", "here", 2);
     b.incarnation = 9;
     b.takes_agents = false; /* it has just started, and may have to give way */
-    choice_note(&choice, &b);
-    CU_ASSERT_EQUAL(choice_find(&choice, "a")->incarnation, 1);
+    (void)beacons_note(&choice, &b);
+    CU_ASSERT_EQUAL(beacons_find(&choice, "a")->incarnation, 1);
     CU_ASSERT_STRING_EQUAL(best(NULL), "a");
     b.takes_agents = true;
-    choice_note(&choice, &b);
-    CU_ASSERT_EQUAL(choice_find(&choice, "a")->incarnation, 9);
-    CU_ASSERT_EQUAL(choice_find(&choice, "a")->index, 2);
+    (void)beacons_note(&choice, &b);
+    CU_ASSERT_EQUAL(beacons_find(&choice, "a")->incarnation, 9);
+    CU_ASSERT_EQUAL(beacons_find(&choice, "a")->index, 2);
     CU_ASSERT_EQUAL(choice.count, 1);
 }
 
@@ -110,13 +110,13 @@ static void test_limit_brokers(void)
         note(name, "there", 2);
     }
     note("more", "here", 0);
-    CU_ASSERT_PTR_NULL(choice_find(&choice, "more"));
+    CU_ASSERT_PTR_NULL(beacons_find(&choice, "more"));
     CU_ASSERT_EQUAL(choice.count, MU_BROKERS_MAX);
-    choice_lose(&choice, "b7"); /* who is silent makes room */
+    (void)beacons_lose(&choice, "b7"); /* who is silent makes room */
     note("more", "here", 0);
     CU_ASSERT_STRING_EQUAL(best(NULL), "more");
-    CU_ASSERT_PTR_NULL(choice_find(&choice, "b7"));
-    CU_ASSERT_PTR_NOT_NULL(choice_find(&choice, "b31"));
+    CU_ASSERT_PTR_NULL(beacons_find(&choice, "b7"));
+    CU_ASSERT_PTR_NOT_NULL(beacons_find(&choice, "b31"));
 }
 
 int main(void)
