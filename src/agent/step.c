@@ -17,14 +17,20 @@ static void mind_hand(struct robot *r, mu_agent *a)
     mu_agent_note(a, trace->at);
 }
 
+static void check_whole(const struct robot *r, bool whole)
+{
+    if (!whole) {
+        mu_log(MU_LOG_WARNING, "answer-damaged", "name=%s step=%lld", r->name,
+               (long long)r->saved_step);
+    }
+}
+
 /* The answer to the step of its checkpoint may not have gone out: it is sent again then.
  * @return whether it is */
-static bool answer_again(struct robot *r)
+static bool answer_again(struct robot *r, bool broker_had)
 {
     bool again = r->step == r->saved_step && r->answer.text;
-    if (again && !answer_repeat(r->agent, &r->answer)) {
-        mu_log(MU_LOG_WARNING, "answer-damaged", "name=%s step=%lld", r->name, (long long)r->step);
-    }
+    check_whole(r, !again || answer_repeat(r->agent, &r->answer, broker_had));
     return again;
 }
 
@@ -32,7 +38,7 @@ static bool answer_again(struct robot *r)
  * @return whether it says again what it did in this step */
 static bool step_again(struct robot *r)
 {
-    bool again = answer_again(r);
+    bool again = answer_again(r, false);
     if (!again && r->step != r->saved_step + 1) {
         mind_event(r->mind, MU_ON_ARRIVE);
     }
@@ -43,10 +49,7 @@ static bool step_again(struct robot *r)
 static void robot_say_again(struct robot *r, bool broker_had)
 {
     r->step = r->saved_step;
-    if (broker_had) {
-        answer_rewind(r->agent, &r->answer);
-    }
-    (void)answer_again(r);
+    (void)answer_again(r, broker_had);
     mind_hand(r, r->agent);
 }
 
@@ -60,7 +63,7 @@ static void group_say_again(struct group_process *g, enum process_up_due due, in
         if (due != UP_WAS_SAID) {
             robot_say_again(r, due == UP_AGAIN_FOR_SIMULATOR);
         } else if (r->answer.text) {
-            answer_recall(r->agent, &r->answer);
+            check_whole(r, answer_recall(r->agent, &r->answer));
         }
     }
 }

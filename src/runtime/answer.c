@@ -28,9 +28,37 @@ static void mail_add(struct mu_text *out, const muster_Mail *m)
     }
 }
 
-static size_t body_add(struct mu_text *out, const muster_Act *act)
+static uint32_t earlier_count(const struct outbox *box)
+{
+    uint32_t count = 0;
+    for (uint64_t seq = box->first_seq; seq < box->unsent_seq; seq++) {
+        count += outbox_awaited(box, seq) != NULL;
+    }
+    return count;
+}
+
+/* Mail of earlier steps that the broker has not answered for: how far before the first of this
+ * step, whether it is a directive, and its receivers. */
+static void earlier_add(struct mu_text *out, const struct outbox *box)
+{
+    uint32_t count = earlier_count(box);
+    if (count > 0) {
+        mu_text_format(out, "earlier %" PRIu32 " ", count);
+    }
+    for (uint64_t seq = box->first_seq; seq < box->unsent_seq; seq++) {
+        const muster_Mail *m = outbox_awaited(box, seq);
+        if (m) {
+            mu_text_format(out, "%" PRIu64 " %d ", box->unsent_seq - seq,
+                           m->layer == WIRE_DIRECTIVE);
+            string_add(out, m->dst);
+        }
+    }
+}
+
+static size_t body_add(struct mu_text *out, const muster_Act *act, const struct outbox *box)
 {
     size_t start = out->len;
+    earlier_add(out, box);
     string_add(out, act->rules);
     for (uint32_t i = 0; i < act->mails._length; i++) {
         mail_add(out, &act->mails._buffer[i]);
@@ -53,7 +81,7 @@ void answer_add(struct mu_text *out, const mu_agent *a)
     enum { DIGITS = 10 };
     size_t place = out->len;
     mu_text_format(out, " %*s\n", DIGITS, "");
-    size_t len = body_add(out, act);
+    size_t len = body_add(out, act, &a->outbox);
     char digits[DIGITS + 1];
     snprintf(digits, sizeof digits, "%*zu", DIGITS, len);
     if (!out->cut) {
@@ -155,36 +183,70 @@ static bool mail_repeat(mu_agent *a, struct rest *r)
     return strings_take(r, &s) && mu_agent_send(a, &mail, NULL) == MU_OK;
 }
 
-bool answer_repeat(mu_agent *a, const struct answer *kept)
+/* Puts back what earlier steps said and the broker has not answered for.
+ * @param said  so many mails of the answer the broker has had, too */
+static bool earlier_take(mu_agent *a, struct rest *r, unsigned said)
 {
-    static char rules[PROCESS_RULES_MAX + 1];
+    static char dst[MU_DST_MAX + 1];
+    struct outbox *box = &a->outbox;
+    uint64_t back = 0, first = box->next_seq - said;
+    unsigned count = 0;
+    int head = 0, directive;
+    if (r->at < r->end && sscanf(r->at, "earlier %u %n", &count, &head) == 1) {
+        r->at += head;
+    }
+    for (unsigned i = 0; i < count; i++) {
+        if (r->at >= r->end || sscanf(r->at, "%" SCNu64 " %d %n", &back, &directive, &head) != 2 ||
+            back > first) {
+            return false;
+        }
+        r->at += head;
+        if (!string_take(r, dst, sizeof dst)) {
+            return false;
+        }
+        if (i == 0) {
+            outbox_rewind(box, back + said);
+        }
+        const struct mu_mail mail = {.dst = dst, .directive = directive != 0};
+        outbox_recall(box, a->name, first - back, &mail);
+    }
+    if (count > 0) {
+        outbox_recall(box, a->name, first, NULL);
+    } else {
+        outbox_rewind(box, said);
+    }
+    return true;
+}
+
+static bool mails_repeat(mu_agent *a, struct rest *r, const struct answer *kept)
+{
+    bool good = true;
+    for (unsigned i = 0; i < kept->mails && good; i++) {
+        good = mail_repeat(a, r);
+    }
+    return good && r->at == r->end;
+}
+
+static char rules[PROCESS_RULES_MAX + 1];
+
+bool answer_repeat(mu_agent *a, const struct answer *kept, bool broker_had)
+{
     struct rest r = {kept->text, kept->text + kept->len};
     bool good =
-        string_take(&r, rules, sizeof rules) &&
+        earlier_take(a, &r, broker_had ? kept->mails : 0) && string_take(&r, rules, sizeof rules) &&
         (!kept->drives || mu_agent_drive(a, kept->forward_m_s, kept->turn_rad_s) == MU_OK) &&
         mu_agent_grip(a, (enum mu_paddles)kept->paddles, (enum mu_lift)kept->lift) == MU_OK;
     if (good) {
         mu_agent_fired(a, kept->firings, rules);
     }
-    for (unsigned i = 0; i < kept->mails && good; i++) {
-        good = mail_repeat(a, &r);
-    }
-    return good && r.at == r.end;
+    return good && mails_repeat(a, &r, kept);
 }
 
-void answer_rewind(mu_agent *a, const struct answer *kept)
+bool answer_recall(mu_agent *a, const struct answer *kept)
 {
-    outbox_rewind(&a->outbox, kept->mails);
-}
-
-void answer_recall(mu_agent *a, const struct answer *kept)
-{
-    static char rules[PROCESS_RULES_MAX + 1];
     struct rest r = {kept->text, kept->text + kept->len};
-    answer_rewind(a, kept);
-    bool good = string_take(&r, rules, sizeof rules);
-    for (unsigned i = 0; i < kept->mails && good; i++) {
-        good = mail_repeat(a, &r);
-    }
+    bool good = earlier_take(a, &r, kept->mails) && string_take(&r, rules, sizeof rules) &&
+                mails_repeat(a, &r, kept);
     outbox_sent(&a->outbox, (uint32_t)(a->outbox.next_seq - a->outbox.unsent_seq));
+    return good;
 }

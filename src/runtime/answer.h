@@ -33,17 +33,20 @@ void answer_add(struct mu_text *out, const mu_agent *a);
 bool answer_read(const char **text, struct answer *out);
 
 /**
- * Lets the agent do and send all that in the step at hand.
+ * Lets the agent do and send all that in the step at hand, before it has sent anything else.  Mail
+ * of earlier steps that the broker has not answered for is in its outbox then, too.
  *
+ * @param broker_had  the broker has had this answer: its mails bear the same numbers as then
  * @return false: the text is damaged, or there is no room; some of it may be said
  */
-bool answer_repeat(mu_agent *a, const struct answer *kept);
+bool answer_repeat(mu_agent *a, const struct answer *kept, bool broker_had);
 
-/** The broker has had the answer: when the agent says it again, to the simulator, its mails bear
- * the same numbers as before. */
-void answer_rewind(mu_agent *a, const struct answer *kept);
-
-/** Both have had it: its mail waits for the broker's answers, and does not go out again. */
-void answer_recall(mu_agent *a, const struct answer *kept);
+/**
+ * Simulator and broker have had the answer: its mail waits for the broker's answers, and does not
+ * go out again.
+ *
+ * @return as answer_repeat
+ */
+bool answer_recall(mu_agent *a, const struct answer *kept);
 
 #endif

@@ -57,7 +57,7 @@ void outbox_continue(struct outbox *box, uint64_t last_seq)
     box->unsent_seq += shift;
 }
 
-void outbox_rewind(struct outbox *box, uint32_t count)
+void outbox_rewind(struct outbox *box, uint64_t count)
 {
     if (box->begun || box->first_seq != box->next_seq || count > box->renumbered) {
         return;
@@ -187,6 +187,21 @@ mu_result outbox_put(struct outbox *box, const char *src, const struct mu_mail *
                                                         .text_end = (size_t)(end - box->text)};
     box->next_seq++;
     return MU_OK;
+}
+
+void outbox_recall(struct outbox *box, const char *src, uint64_t seq, const struct mu_mail *mail)
+{
+    static const struct mu_mail answered = {.dst = "-"};
+    uint64_t first = box->next_seq;
+    mu_result put = MU_OK;
+    while (put == MU_OK && box->next_seq < seq) {
+        put = outbox_put(box, src, &answered);
+    }
+    if (put == MU_OK && mail) {
+        put = outbox_put(box, src, mail);
+    }
+    outbox_sent(box, (uint32_t)(box->next_seq - box->unsent_seq));
+    outbox_confirm(box, first, seq - 1);
 }
 
 uint32_t outbox_unsent(const struct outbox *box, muster_Mail *mails, uint32_t max)

@@ -55,9 +55,13 @@ void outbox_init(struct outbox *box, uint32_t mails, struct outbox_slot *slots, 
  */
 void outbox_continue(struct outbox *box, uint64_t last_seq);
 
-/** The next count mails are said again by another life of the sender: they bear the last numbers
- * once more.  Nothing is in the box, and nothing went out of it. */
-void outbox_rewind(struct outbox *box, uint32_t count);
+/** The last count numbers are for mails of an earlier life of the sender, which come next.  Nothing
+ * is in the box, and nothing went out of it. */
+void outbox_rewind(struct outbox *box, uint64_t count);
+
+/** Puts in a mail that an earlier life has sent with that number, if there is room; those between
+ * are answered.  mail NULL: none, but all before that number. */
+void outbox_recall(struct outbox *box, const char *src, uint64_t seq, const struct mu_mail *mail);
 
 /**
  * Copies a mail in.

@@ -92,7 +92,8 @@ def test_neither_a_kill_nor_a_stop_changes_the_run():
 
 TALKS = """
 (defglobal ?*heard* = 0)
-(defrule speak (position $?) => (setSpeed 100 0) (broadcast here ?*heard*) (send nosuch n ?*heard*) (update-sensors))
+(defrule speak (position $?) => (setSpeed 100 0) (broadcast here ?*heard*) (send nosuch n ?*heard*)
+  (send near:0.1 n ?*heard*) (update-sensors))
 (defrule comes-back (declare (salience 9)) ?e <- (event refused send $?) => (retract ?e) (setSpeed 50 5))
 (defrule hears (declare (salience 9)) (message here $?) => (bind ?*heard* (+ ?*heard* 1)))
 """
@@ -104,7 +105,7 @@ def test_who_dies_between_two_packets_has_said_all_or_nothing():
     with folder() as out:
         (out / "talks.clp").write_text(TALKS)
         file = out / "team.yaml"
-        file.write_text(f"world: {ROOT}/worlds/arena.world\nduration: 60\nrobots:\n" + "".join(
+        file.write_text(f"world: {ROOT}/worlds/arena.world\nduration: 60\nresolvers: [near]\nrobots:\n" + "".join(
             f"  - {{name: {name}, rules: talks.clp}}\n" for name in ("red", "blue", "green", "yellow")))
         done, calm = experiment_run(out / "calm", file=file)
         check_equal(done.returncode, 0, done.stderr)

@@ -143,7 +143,7 @@ static void test_all_of_it_comes_back(void)
     CU_ASSERT_TRUE_FATAL(answer_read(&at, &kept));
     CU_ASSERT_STRING_EQUAL(at, "passport");
     life_begin();
-    CU_ASSERT_TRUE(answer_repeat(red, &kept));
+    CU_ASSERT_TRUE(answer_repeat(red, &kept, false));
     muster_Mail again[MAILS];
     const muster_Act *act = act_make(again);
     CU_ASSERT_EQUAL_FATAL(act->mails._length, MAILS);
@@ -166,13 +166,40 @@ static void test_an_answer_that_all_have_waits_for_the_broker(void)
     CU_ASSERT_TRUE_FATAL(answer_read(&at, &kept));
     life_begin();
     outbox_continue(&red->outbox, 50);
-    answer_recall(red, &kept);
+    CU_ASSERT_TRUE(answer_recall(red, &kept));
     CU_ASSERT_FALSE(outbox_has_unsent(&red->outbox));
     CU_ASSERT_EQUAL(red->outbox.next_seq, 51);
     for (int i = 0; i < MAILS; i++) {
         const muster_Mail *m = outbox_awaited(&red->outbox, 51 - MAILS + (uint64_t)i);
         CU_ASSERT_PTR_NOT_NULL_FATAL(m);
         CU_ASSERT_STRING_EQUAL(m->dst, before[i].dst);
+    }
+}
+
+/* Of three mails that went out in earlier steps, the second has its answer. */
+static void test_mail_of_earlier_steps_waits_on(void)
+{
+    outbox_continue(&red->outbox, 40);
+    mails_say();
+    outbox_sent(&red->outbox, MAILS);
+    outbox_confirm(&red->outbox, 42, 42);
+    mails_say();
+    write_down();
+    for (int broker_had = 0; broker_had < 2; broker_had++) {
+        const char *at = text.at;
+        CU_ASSERT_TRUE_FATAL(answer_read(&at, &kept));
+        life_begin();
+        outbox_continue(&red->outbox, broker_had ? 46 : 43);
+        CU_ASSERT_TRUE(answer_repeat(red, &kept, broker_had));
+        const muster_Mail *first = outbox_awaited(&red->outbox, 41);
+        const muster_Mail *third = outbox_awaited(&red->outbox, 43);
+        CU_ASSERT_FATAL(first && third);
+        CU_ASSERT_STRING_EQUAL(first->dst, "blue");
+        CU_ASSERT_EQUAL(third->layer, WIRE_DIRECTIVE);
+        CU_ASSERT_PTR_NULL(outbox_awaited(&red->outbox, 42));
+        muster_Mail again[MAILS];
+        CU_ASSERT_EQUAL_FATAL(act_make(again)->mails._length, MAILS);
+        CU_ASSERT_EQUAL(again[0].seq, 44);
     }
 }
 
@@ -222,7 +249,7 @@ static void test_who_did_nothing(void)
     CU_ASSERT_TRUE_FATAL(answer_read(&at, &kept));
     CU_ASSERT_STRING_EQUAL(at, "");
     life_begin();
-    CU_ASSERT_TRUE(answer_repeat(red, &kept));
+    CU_ASSERT_TRUE(answer_repeat(red, &kept, false));
     CU_ASSERT_FALSE(red->speed.set);
     CU_ASSERT_FALSE(outbox_has_unsent(&red->outbox));
 }
@@ -255,7 +282,7 @@ static void test_damaged_ones_are_refused(void)
         const char *at = text.at;
         life_begin();
         if (answer_read(&at, &kept)) {
-            (void)answer_repeat(red, &kept); /* the sanitizers look */
+            (void)answer_repeat(red, &kept, false); /* the sanitizers look */
         }
         text.at[i] = was;
     }
@@ -268,6 +295,7 @@ int main(void)
         {"all of it comes back", test_all_of_it_comes_back},
         {"an answer that all have waits for the broker",
          test_an_answer_that_all_have_waits_for_the_broker},
+        {"mail of earlier steps waits on", test_mail_of_earlier_steps_waits_on},
         {"a step is kept before it goes out", test_a_step_is_kept_before_it_goes_out},
         {"who did nothing", test_who_did_nothing},
         {"between steps there is none", test_between_steps_there_is_none},
