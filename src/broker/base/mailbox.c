@@ -2,6 +2,68 @@
 #include "broker/base/base.h"
 
 #include "muster/memory.h"
+#include "muster/result.h"
+
+/* --- shares of senders ------------------------------------------------------------------------ */
+
+static void shares_init(struct mailbox_shares *p)
+{
+    uint32_t slots = 1;
+    while (slots < MU_POSTS_MAX) {
+        slots *= 2;
+    }
+    *p = (struct mailbox_shares){.mask = slots - 1};
+    p->at = mu_startup_array(QUOTA_POSTS_MAX, sizeof *p->at);
+    mu_pool_init(&p->pool, QUOTA_POSTS_MAX);
+    p->heads = mu_startup_array(slots, sizeof *p->heads);
+}
+
+/* Fibonacci hashing scatters the boxes; neighbours among the senders stay neighbours. */
+static uint32_t *head_of(const struct mailbox_shares *p, uint32_t box, uint32_t sender)
+{
+    return &p->heads[(box * 2654435769u ^ sender) & p->mask];
+}
+
+uint32_t mailbox_share_find(const struct mailbox_shares *p, uint32_t box, uint32_t sender)
+{
+    uint32_t next = *head_of(p, box, sender);
+    while (next != 0) {
+        const struct mailbox_share *pair = &p->at[next - 1];
+        if (pair->box == box && pair->sender == sender) {
+            return next - 1;
+        }
+        next = pair->next;
+    }
+    return MU_NONE;
+}
+
+static uint32_t share_get(struct mailbox_shares *p, uint32_t box, uint32_t sender)
+{
+    uint32_t pair = mailbox_share_find(p, box, sender);
+    if (pair != MU_NONE) {
+        return pair;
+    }
+    pair = mu_pool_take(&p->pool);
+    MU_ASSERT(pair != MU_NONE); /* each has a post */
+    uint32_t *head = head_of(p, box, sender);
+    p->at[pair] = (struct mailbox_share){.box = box, .sender = sender, .next = *head};
+    *head = pair + 1;
+    return pair;
+}
+
+static void share_drop(struct mailbox_shares *p, uint32_t pair)
+{
+    struct mailbox_share *gone = &p->at[pair];
+    MU_ASSERT(gone->use.mails == 0 && gone->use.bytes == 0);
+    uint32_t *link = head_of(p, gone->box, gone->sender);
+    while (*link != pair + 1) {
+        link = &p->at[*link - 1].next;
+    }
+    *link = gone->next;
+    mu_pool_give(&p->pool, pair);
+}
+
+/* --- boxes ------------------------------------------------------------------------------------ */
 
 void mailbox_init(struct mailbox *m, uint32_t agents)
 {
@@ -9,7 +71,7 @@ void mailbox_init(struct mailbox *m, uint32_t agents)
     mu_pool_init(&m->posts_pool, QUOTA_POSTS_MAX);
     m->posts = mu_startup_array(QUOTA_POSTS_MAX, sizeof *m->posts);
     m->boxes = mu_startup_array(agents, sizeof *m->boxes);
-    mailbox_share_init(&m->shares);
+    shares_init(&m->shares);
     mailbox_set_defaults(m, muster_BOX_REFUSE_NEW, 0, 0);
 }
 
@@ -25,18 +87,13 @@ void mailbox_end(struct mailbox *m, uint32_t agent)
 
 /* --- limits ----------------------------------------------------------------------------------- */
 
-static uint32_t limit_of(uint32_t wanted, uint32_t otherwise, uint32_t most)
-{
-    uint32_t limit = wanted ? wanted : otherwise;
-    return limit < most ? limit : most;
-}
-
 void mailbox_set_defaults(struct mailbox *m, muster_BoxPolicy policy, uint32_t mails,
                           uint32_t bytes)
 {
-    m->limits = (struct box_limits){.policy = policy,
-                                    .mails = limit_of(mails, MU_BOX_MAX, MU_BOX_MAX),
-                                    .bytes = limit_of(bytes, MU_BOX_BYTES_MAX, MU_BOX_BYTES_MAX)};
+    m->limits =
+        (struct box_limits){.policy = policy,
+                            .mails = mailbox_limit(mails, MU_BOX_MAX, MU_BOX_MAX),
+                            .bytes = mailbox_limit(bytes, MU_BOX_BYTES_MAX, MU_BOX_BYTES_MAX)};
 }
 
 void mailbox_set_limits(struct mailbox *m, uint32_t agent, muster_BoxPolicy policy, uint32_t mails,
@@ -44,15 +101,6 @@ void mailbox_set_limits(struct mailbox *m, uint32_t agent, muster_BoxPolicy poli
 {
     mailbox_box(m, agent)->limits =
         (struct box_limits){.policy = policy, .mails = mails, .bytes = bytes};
-}
-
-struct box_limits mailbox_limits(const struct mailbox *m, const struct box *box)
-{
-    struct box_limits own = box->limits;
-    return (struct box_limits){.policy = own.policy != muster_BOX_REFUSE_NEW ? own.policy
-                                                                             : m->limits.policy,
-                               .mails = limit_of(own.mails, m->limits.mails, MU_BOX_MAX),
-                               .bytes = limit_of(own.bytes, m->limits.bytes, MU_BOX_BYTES_MAX)};
 }
 
 /* --- lists of posts --------------------------------------------------------------------------- */
@@ -114,7 +162,7 @@ static void post_give(struct mailbox *m, uint32_t post)
     quota_subtract(&m->boxes[p->agent].use, &less);
     quota_subtract(&m->shares.at[p->pair].use, &less);
     if (m->shares.at[p->pair].use.mails == 0) {
-        mailbox_share_drop(&m->shares, p->pair);
+        share_drop(&m->shares, p->pair);
     }
     (void)mu_list_remove(&p->mail->posts, links_of(m, LINKS_MAIL), post);
     p->mail = NULL;
@@ -135,7 +183,7 @@ mu_result mailbox_put(struct mailbox *m, uint32_t agent, struct mail *mail, bool
         return MU_FULL;
     }
     m->posts[post] = (struct post){
-        .mail = mail, .agent = agent, .pair = mailbox_share_get(&m->shares, agent, mail->payer)};
+        .mail = mail, .agent = agent, .pair = share_get(&m->shares, agent, mail->payer)};
     (void)mu_list_prepend(&mail->posts, links_of(m, LINKS_MAIL), post);
     struct quota_use more = {.mails = 1, .bytes = mail->bytes};
     quota_add(&box->use, &more);

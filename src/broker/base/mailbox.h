@@ -15,7 +15,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* --- mailbox_share.c ------------------------------------------------------------------------- */
+/* --- mailbox.c ------------------------------------------------------------------------------- */
 
 /*
  * What each sender has in each box: a share for each pair of them.
@@ -48,18 +48,8 @@ struct mailbox_shares {
     uint32_t mask;
 };
 
-void mailbox_share_init(struct mailbox_shares *p);
-
 /** @return the pair, or MU_NONE: the sender has nothing there */
 uint32_t mailbox_share_find(const struct mailbox_shares *p, uint32_t box, uint32_t sender);
-
-/** Finds a pair or enters it. */
-uint32_t mailbox_share_get(struct mailbox_shares *p, uint32_t box, uint32_t sender);
-
-/** Forgets a pair whose use is nothing. */
-void mailbox_share_drop(struct mailbox_shares *p, uint32_t pair);
-
-/* --- mailbox.c ------------------------------------------------------------------------------- */
 
 /*
  * A box for each agent: what waits for it, what was handed out, and what it has acknowledged.
@@ -166,8 +156,22 @@ void mailbox_set_defaults(struct mailbox *m, muster_BoxPolicy policy, uint32_t m
 void mailbox_set_limits(struct mailbox *m, uint32_t agent, muster_BoxPolicy policy, uint32_t mails,
                         uint32_t bytes);
 
+/** @return what is wanted, or what holds otherwise, and at most the most */
+static inline uint32_t mailbox_limit(uint32_t wanted, uint32_t otherwise, uint32_t most)
+{
+    uint32_t limit = wanted ? wanted : otherwise;
+    return limit < most ? limit : most;
+}
+
 /** @return the limits of a box, its own or the broker's */
-struct box_limits mailbox_limits(const struct mailbox *m, const struct box *box);
+static inline struct box_limits mailbox_limits(const struct mailbox *m, const struct box *box)
+{
+    struct box_limits own = box->limits;
+    return (struct box_limits){
+        .policy = own.policy != muster_BOX_REFUSE_NEW ? own.policy : m->limits.policy,
+        .mails = mailbox_limit(own.mails, m->limits.mails, MU_BOX_MAX),
+        .bytes = mailbox_limit(own.bytes, m->limits.bytes, MU_BOX_BYTES_MAX)};
+}
 
 /** @return the queue in which a mail waits */
 enum post_list mailbox_queue(const struct mail *mail);

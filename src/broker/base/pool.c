@@ -7,8 +7,8 @@
 #include <string.h>
 
 /* Sizes of records, in bytes. */
-static const uint32_t class_bytes[POOL_CLASSES] = {320,  512,  1024,  2048,
-                                                   4096, 8192, 16384, POOL_RECORD_MAX};
+const uint32_t pool_class_bytes[POOL_CLASSES] = {320,  512,  1024,  2048,
+                                                 4096, 8192, 16384, POOL_RECORD_MAX};
 
 enum { LETTER_STRINGS = 9 };
 
@@ -26,7 +26,7 @@ void pool_init(struct pool *s)
 
 static bool slab_has_room(const struct pool_slab *slab)
 {
-    return slab->free || (slab->carved + 1) * class_bytes[slab->size_class] <= POOL_SLAB_BYTES;
+    return slab->free || (slab->carved + 1) * pool_class_bytes[slab->size_class] <= POOL_SLAB_BYTES;
 }
 
 static struct mu_list *open_slabs(struct pool *s, uint32_t index)
@@ -57,7 +57,7 @@ static void *record_take(struct pool *s, uint32_t size_class)
         memcpy(&slab->free, record, sizeof slab->free);
     } else {
         record = s->memory + (size_t)index * POOL_SLAB_BYTES +
-                 (size_t)slab->carved++ * class_bytes[size_class];
+                 (size_t)slab->carved++ * pool_class_bytes[size_class];
     }
     slab->live++;
     if (!slab_has_room(slab)) {
@@ -104,7 +104,7 @@ struct mail *pool_put(struct pool *s, const muster_Mail *letter)
         bytes += lengths[i] ? lengths[i] + 1 : 0;
     }
     uint32_t size_class = 0;
-    while (class_bytes[size_class] < bytes) {
+    while (pool_class_bytes[size_class] < bytes) {
         size_class++;
         MU_ASSERT(size_class < POOL_CLASSES);
     }
@@ -129,11 +129,6 @@ struct mail *pool_put(struct pool *s, const muster_Mail *letter)
                        .bytes = (uint32_t)bytes,
                        .size_class = size_class};
     return m;
-}
-
-uint32_t pool_bytes(const struct mail *m)
-{
-    return class_bytes[m->size_class];
 }
 
 void pool_release(struct pool *s, struct mail *m)

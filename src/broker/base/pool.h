@@ -205,13 +205,19 @@ struct pool {
     uint32_t mails;
 };
 
+/* Bytes of a record of each class. */
+extern const uint32_t pool_class_bytes[POOL_CLASSES];
+
 void pool_init(struct pool *s);
 
 /** Copies a mail that the border has let through, with one use.  @return NULL when full */
 struct mail *pool_put(struct pool *s, const muster_Mail *letter);
 
 /** @return the bytes of the store that a mail takes */
-uint32_t pool_bytes(const struct mail *m);
+static inline uint32_t pool_bytes(const struct mail *m)
+{
+    return pool_class_bytes[m->size_class];
+}
 
 static inline void pool_keep(struct mail *m)
 {
