@@ -1,6 +1,6 @@
 ; SPDX-License-Identifier: Apache-2.0
 ;
-; Drives straight on and turns away from what is near.  Says hello to who says hello.
+; Drives straight on and turns away from what is near.  Answers hello with hello.
 
 (defglobal
   ?*near* = 700)  ; mm

@@ -3,6 +3,7 @@
 #include "core/spell.h"
 #include "core/text.h"
 #include "experiment/experiment_source.h"
+#include "muster/limits.h"
 #include "muster/memory.h"
 
 #include <stdio.h>
@@ -50,6 +51,13 @@ static void *override_find_global(struct experiment_robot *robot, const char *na
 
 static const struct yaml_key override_global = {.kind = YAML_KEY_TEXT};
 
+/* Is the key `name.` and more? */
+static bool override_names(const char *key, const char *name)
+{
+    size_t len = strlen(name);
+    return strncmp(key, name, len) == 0 && key[len] == '.';
+}
+
 /* Names of robots may have dots, so each is tried. */
 static const struct yaml_key *override_find_robots(struct experiment *e, const char *key,
                                                    void **field)
@@ -61,11 +69,10 @@ static const struct yaml_key *override_find_robots(struct experiment *e, const c
     const struct yaml_key *found = NULL;
     for (unsigned i = 0; i < e->robots_count && !found; i++) {
         struct experiment_robot *robot = &e->robots[i];
-        size_t len = strlen(robot->name);
-        if (strncmp(key, robot->name, len) != 0 || key[len] != '.') {
+        if (!override_names(key, robot->name)) {
             continue;
         }
-        const char *rest = key + len + 1;
+        const char *rest = key + strlen(robot->name) + 1;
         if (strncmp(rest, "globals.", 8) == 0) {
             *field = override_find_global(robot, rest + 8);
             return &override_global;
@@ -91,8 +98,31 @@ static void override_list(const struct yaml_key *keys, const char *before, struc
     }
 }
 
+/* Refuses a key of a robot that the experiment does not have: NAME.KEY. */
+static mu_result override_no_robot(struct experiment_source *s, const char *set, const char *key)
+{
+    const struct experiment *e = s->experiment;
+    struct mu_spell meant;
+    char name[MU_NAME_MAX + 1];
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(key, "."), key);
+    mu_spell_init(&meant, name);
+    for (unsigned i = 0; i < e->robots_count; i++) {
+        if (override_names(key, e->robots[i].name)) {
+            return MU_OK;
+        }
+        mu_spell_offer(&meant, e->robots[i].name);
+    }
+    return experiment_fault(s, set, 0, "no robot '%s' in this experiment%s%s%s", name,
+                            meant.nearest ? "; did you mean '" : "",
+                            meant.nearest ? meant.nearest : "", meant.nearest ? "'?" : "");
+}
+
 static mu_result override_unknown(struct experiment_source *s, const char *set, const char *key)
 {
+    mu_result known = strncmp(key, "robots.", 7) == 0 ? override_no_robot(s, set, key + 7) : MU_OK;
+    if (known != MU_OK) {
+        return known;
+    }
     char buffer[256];
     struct mu_text keys = mu_text_in(buffer, sizeof buffer);
     struct mu_spell meant;

@@ -142,7 +142,7 @@ static void expect_judge_stall(const struct report_expect *x, unsigned i,
 {
     double limit_s = x->input->experiment->expect[i].stall_max_s;
     double longest_s = 0;
-    const char *who = "nobody";
+    const char *who = "none";
     for (size_t r = 0; r < x->input->robots_count; r++) {
         if (result->robots[r].longest_stall_s > longest_s) {
             longest_s = result->robots[r].longest_stall_s;

@@ -111,7 +111,7 @@ static void html_facts(FILE *file, const struct report_data *data)
              data->result->most_efficient ? data->result->most_efficient : "",
              data->result->efficiency_m_s);
     html_fact(file, "most efficient",
-              data->result->most_efficient ? text : "nobody moved for half of the time");
+              data->result->most_efficient ? text : "no robot moved for half of the time");
     snprintf(text, sizeof text,
              "%" PRIu64 " sent, %" PRIu64 " delivered, %" PRIu64 " waiting, %" PRIu64
              " expired, %" PRIu64 " refused, %" PRIu64 " lost, %" PRIu64 " duplicated",

@@ -13,7 +13,7 @@ import pytest
 
 from support import BIN, BUILD, ROOT, check, check_equal, folder
 
-SKIPPED = {".git", "build", "out", "__pycache__"}
+SKIPPED = {".git", "build", "out", "mine", "__pycache__"}
 # Commands, and what a page says that they print.
 BLOCK = re.compile(r"^<!-- (test|then) -->\n```sh\n(.*?)^```$"
                    r"(?:\n+<!-- shows -->\n```\n(.*?)^```$)?", re.M | re.S)

@@ -23,6 +23,7 @@ HOMEWORKS = {
     "carl": "; all mine\n" + PATROL.replace("  (setSpeed 300 0)", "      (setSpeed 300 0) ; fast"),
     "dora": PATROL + "\n(defrule broken\n",
     "emil": None,
+    "fred": "(deffacts speeds (speed fast))\n(defrule wrong (declare (salience 9)) (speed ?v) => (setSpeed ?v 0))\n" + PATROL,
 }
 
 
@@ -48,11 +49,13 @@ def test_homeworks_become_marks():
         done, rows = grade(out, "--secret", out / "secret", "--count", "2", "--weights", "1,3")
         check_equal(done.returncode, 0, done.stderr)
         check_equal({name: row["mark"] for name, row in rows.items()},
-                    {"anna": "100.0", "bert": "25.0", "carl": "100.0", "dora": "0.0", "emil": "0.0"}, "marks")
+                    {"anna": "100.0", "bert": "25.0", "carl": "100.0", "dora": "0.0", "emil": "0.0", "fred": "100.0"}, "marks")
         check_equal({name: row["same_as"] for name, row in rows.items() if row["same_as"]}, {"carl": "anna"}, "copies")
         check_equal(rows["bert"]["red.distance_m at least 5"], "0", "runs in which bert went far enough")
         check_equal(rows["bert"]["no robot outside the arena"], "2", "runs in which bert stayed inside")
         check("red.clp:" in rows["dora"]["remark"], f"dora's mistake: {rows['dora']}")
+        check(rows["fred"]["remark"].startswith("red: rule wrong (red.clp:2): "), f"fred's mistake: {rows['fred']}")
+        check_equal(rows["anna"]["remark"], "", "of rules without a mistake")
         check("no red.clp" in rows["emil"]["remark"], f"emil: {rows['emil']}")
         runs = sorted(p.name for p in (out / "marks/anna").iterdir())
         check_equal(runs, sorted(p.name for p in (out / "marks/bert").iterdir()), "seeds of two students")

@@ -33,7 +33,8 @@ static void test_override_faults(void)
     } cases[] = {
         {"duration", "expected KEY=VALUE with one of the keys name, world, seed"},
         {"speed=1", "expected KEY=VALUE"},
-        {"robots.pink.rules=a.clp", "expected KEY=VALUE"},
+        {"robots.pink.rules=a.clp", "no robot 'pink' in this experiment"},
+        {"robots.bleu.rules=a.clp", "; did you mean 'blue'?"},
         {"robots.red.name=a", "expected KEY=VALUE"},
         {"sede=3", "robots.NAME.globals.NAME; did you mean 'seed'?"},
         {"simulator.thread=3", "did you mean 'threads'?"},
