@@ -44,6 +44,7 @@ enum beacons_news beacons_note(struct beacons *b, const muster_Beacon *beacon)
     }
     *known = (struct beacons_broker){.incarnation = beacon->incarnation,
                                      .index = beacon->index,
+                                     .agents = beacon->agents,
                                      .there = true,
                                      .takes_agents = beacon->takes_agents};
     mu_text_copy(known->name, sizeof known->name, beacon->broker);

@@ -15,7 +15,7 @@ struct beacons_broker {
     char name[MU_NAME_MAX + 1];
     char host[MU_FIELD_MAX + 1];
     uint64_t incarnation;
-    uint32_t index;
+    uint32_t index, agents;
     bool there; /* not silent */
     bool takes_agents;
 };

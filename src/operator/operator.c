@@ -5,6 +5,7 @@
 #include "core/exits.h"
 #include "core/fields.h"
 #include "core/json.h"
+#include "core/name.h"
 #include "core/text.h"
 #include "muster/directory.h"
 #include "runtime/join.h"
@@ -205,6 +206,9 @@ int operator_join(struct operator* o, const struct operator_options *options, co
 
 void operator_leave(struct operator* o)
 {
+    if (mu_name_of_operator(mu_agent_name(o->agent))) {
+        mu_agent_set_state(o->agent, MU_GONE); /* nothing is for a reader when it is gone */
+    }
     mu_process_close(o->process);
 }
 

@@ -14,6 +14,9 @@ void choice_follow(struct beacons *c, const char *name, uint64_t incarnation)
 static bool is_better(const struct beacons_broker *a, const struct beacons_broker *b,
                       const char *host)
 {
+    if (a->takes_agents != b->takes_agents) {
+        return a->takes_agents;
+    }
     bool near_a = strcmp(a->host, host) == 0;
     bool near_b = strcmp(b->host, host) == 0;
     if (near_a != near_b) {
@@ -28,7 +31,8 @@ const struct beacons_broker *choice_best(const struct beacons *c, const char *ho
     const struct beacons_broker *best = NULL;
     for (uint32_t i = 0; i < c->count; i++) {
         const struct beacons_broker *b = &c->at[i];
-        bool will_do = b->there && b->takes_agents && (!wanted || strcmp(b->name, wanted) == 0);
+        bool is_sure = b->takes_agents || b->agents > 0; /* a full one refuses in words */
+        bool will_do = b->there && is_sure && (!wanted || strcmp(b->name, wanted) == 0);
         if (will_do && (!best || is_better(b, best, host))) {
             best = b;
         }
@@ -38,5 +42,5 @@ const struct beacons_broker *choice_best(const struct beacons *c, const char *ho
 
 bool choice_is_final(const struct beacons_broker *b, const char *host, const char *wanted)
 {
-    return wanted || (b->index == 0 && strcmp(b->host, host) == 0);
+    return wanted || (b->takes_agents && b->index == 0 && strcmp(b->host, host) == 0);
 }

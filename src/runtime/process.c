@@ -116,11 +116,14 @@ void mu_process_close(mu_process *p)
         kind_end(&p->agents[i]); /* the last mails go out with the rest */
     }
     step_flush(p);
+    process_see_out(p, true); /* those that were disposed of: the others' names stay */
+    roll_write(p);
     for (uint32_t i = 0; i < p->agent_count; i++) {
         mu_agent_set_state(&p->agents[i], MU_GONE);
     }
     step_flush(p); /* mail from on_state */
     process_see_out(p, true);
+    (void)bus_drain(&p->registration, CLOSE_PATIENCE_NS);
     roll_end(p);
     (void)bus_drain(&p->registration, CLOSE_PATIENCE_NS);
     bus_close(&p->bus);

@@ -30,10 +30,19 @@ void roll_mark_all(mu_process *p)
     }
 }
 
+/* @return whether a full broker has refused the name, and is asked again; no run has room for it */
+static bool is_asked_again(const struct mu_agent *a)
+{
+    return a->name_state == NAME_REFUSED && a->refusal == MU_REFUSAL_FULL &&
+           !process_in_lockstep(a->process);
+}
+
 void roll_refresh(mu_process *p)
 {
-    if (p->agent_count > 0) {
-        part_mark(p, 0);
+    for (uint32_t i = 0; i < p->agent_count; i++) {
+        if (i == 0 || is_asked_again(&p->agents[i])) {
+            roll_mark(&p->agents[i]);
+        }
     }
 }
 
@@ -41,10 +50,18 @@ static muster_State state_of(const struct mu_agent *a)
 {
     /* An agent that was refused gives the name up: it may have asked once more before it heard of
      * the refusal, and would get a name that it does not use. */
-    if (a->name_state == NAME_REFUSED || a->name_state == NAME_FOLLOWS) {
+    if ((a->name_state == NAME_REFUSED && !is_asked_again(a)) || a->name_state == NAME_FOLLOWS) {
         return muster_STATE_ABSENT;
     }
     return (muster_State)(life_is_leaving(a) ? a->last_state : a->state);
+}
+
+static char *reason_of(struct mu_agent *a)
+{
+    if (a->exit == EXIT_LEFT) {
+        return (char *)(uintptr_t)muster_REASON_DISPOSED; /* nothing is written there */
+    }
+    return a->reason[0] ? a->reason : a->process->busy;
 }
 
 static muster_Entry entry_of(struct mu_agent *a)
@@ -65,7 +82,7 @@ static muster_Entry entry_of(struct mu_agent *a)
                           .newcomer =
                               a->name_state != NAME_ACCEPTED && a->name_state != NAME_ASKED_AGAIN,
                           .busy_since_wall_ns = a->process->busy_since_wall_ns,
-                          .reason = a->reason[0] ? a->reason : a->process->busy};
+                          .reason = reason_of(a)};
 }
 
 static muster_Registration part_of(mu_process *p, uint32_t part)

@@ -23,7 +23,8 @@ void roll_mark(struct mu_agent *a);
 /** Every part is to be written: a process has not heard them. */
 void roll_mark_all(mu_process *p);
 
-/** Part 0 is to be written, so that the broker hears that the process lives. */
+/** Part 0 is to be written, so that the broker hears that the process lives, and what a full broker
+ * has refused, which may have room now. */
 void roll_refresh(mu_process *p);
 
 /** Writes the parts that are due, when a broker is known; a part that the network refuses stays

@@ -40,7 +40,7 @@ struct broker *broker_open(const struct broker_options *options)
     b->clock.wall_ns = options->wall_ns;
     b->resend_after_ns = options->resend_after_ns ? options->resend_after_ns : RESEND_AFTER_NS;
     b->hold_ns = options->hold_ns ? options->hold_ns : HOLD_NS;
-    registry_init(&b->registry);
+    registry_init(&b->registry, options->names ? options->names : MU_AGENTS_MAX);
     processes_init(&b->processes);
     claims_init(&b->claims);
     pool_init(&b->pool);

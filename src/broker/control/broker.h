@@ -35,6 +35,7 @@ struct broker_options {
     uint64_t delivery_interval_ns; /* between two rounds of the dispatcher; 0: at once */
     bool audit;                    /* directives are recorded for broker_audit_next */
     uint64_t hold_ns;              /* so long a new holder waits for the old one; 1.5 s when 0 */
+    uint32_t names;                /* so many at a time; MU_AGENTS_MAX when 0 */
     uint64_t name_expiry_ns;       /* a name that is absent for so long may end; 10 min when 0 */
     muster_BoxPolicy box_policy;   /* of boxes whose agents ask for nothing else */
     uint32_t box_mails;            /* MU_BOX_MAX when 0 */

@@ -122,7 +122,7 @@ static bool name_is_good(const char *name)
 static void agent_return(struct broker *b, uint32_t agent)
 {
     struct agent *a = &b->registry.agents[agent];
-    a->is.kind = a->saved_kind;
+    a->is.kind = a->saved_kind == JOURNAL_ENDED ? muster_KIND_AGENT : a->saved_kind;
     a->since_wall_ns = b->clock.wall_ns;
     names_hold(b, agent);
     if (a->process == MU_NONE) {
@@ -131,8 +131,8 @@ static void agent_return(struct broker *b, uint32_t agent)
     registry_touch(&b->registry, agent);
 }
 
-/* When there are more names than should be, the numbers of the others are kept, for when mail names
- * them, or they come back. */
+/* Of names that had ended, and when there are more names than should be, the numbers are kept, for
+ * when mail names them, or they come back. */
 static bool agent_bury(struct broker *b, const struct journal_entry *e)
 {
     struct graveyard *g = &b->registry.graveyard;
@@ -147,10 +147,11 @@ static bool agent_bury(struct broker *b, const struct journal_entry *e)
 
 static bool restore_agent(struct broker *b, const struct journal_entry *e)
 {
-    bool good = name_is_good(e->name) && validate_kind_word(e->agent_kind) &&
+    bool ended = e->agent_kind == JOURNAL_ENDED;
+    bool good = name_is_good(e->name) && (ended || validate_kind_word(e->agent_kind)) &&
                 is_count(e->durable_seq) && is_count(e->failed_seq) && is_count(e->reserved_seq);
     uint32_t agent = good ? registry_find(&b->registry, e->name) : MU_NONE;
-    if (good && agent == MU_NONE && registry_is_crowded(&b->registry)) {
+    if (good && agent == MU_NONE && (ended || registry_is_crowded(&b->registry))) {
         return agent_bury(b, e);
     }
     if (good && agent == MU_NONE) {
@@ -280,7 +281,7 @@ static bool restore_line(struct broker *b, const struct journal_entry *e)
                  validate_string(l->origin, MU_FIELD_MAX) && l->stamp_ns <= JOURNAL_NUMBER_MAX &&
                  line_take(b, e->lines, l);
     s->reset = s->reset || taken;
-    if (taken && e->lines == LINES_GROUPS) {
+    if (taken && e->lines == LINES_GROUPS && l->present) {
         agents_named(b, l->agent);
     }
     return taken;

@@ -139,7 +139,8 @@ static bool line_is_shown(const struct broker *b, uint32_t agent)
     bool from_the_start =
         changelog_version(&b->registry.changes, agent) <= b->dispatch.view.start_version &&
         !a->is.no_broadcasts && a->is.home[0] == '\0';
-    return !is_paced(b) || from_the_start || a->ended || scope_is_inside(a->scope);
+    return !is_paced(b) || from_the_start || a->named == NAMED_ENDS_WITH_RUN ||
+           scope_is_inside(a->scope);
 }
 
 /* @return whether a step has changed a line since the last Delivery, and more was said of it since

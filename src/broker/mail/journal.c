@@ -207,6 +207,16 @@ void journal_agent(struct broker *b, uint32_t agent)
     }
 }
 
+bool journal_end(struct broker *b, uint32_t agent)
+{
+    struct agent *a = &b->registry.agents[agent];
+    if (a->reserved_seq > 0 && a->saved_kind != JOURNAL_ENDED) {
+        a->saved_kind = JOURNAL_ENDED;
+        agent_mark(b, agent);
+    }
+    return !a->unsaved;
+}
+
 void journal_seq(struct broker *b, uint32_t agent)
 {
     struct agent *a = &b->registry.agents[agent];

@@ -56,10 +56,13 @@ enum journal_kind {
 };
 
 /* One row on its way to the disk, or from it. */
+/* The kind of an agent whose name has ended. */
+#define JOURNAL_ENDED ((muster_Kind)255)
+
 struct journal_entry {
     enum journal_kind kind;
-    const char *name; /* of an agent */
-    muster_Kind agent_kind;
+    const char *name;       /* of an agent */
+    muster_Kind agent_kind; /* or JOURNAL_ENDED */
     uint64_t durable_seq, failed_seq, reserved_seq;
     uint64_t row, last_row;
     muster_Mail letter;
@@ -140,6 +143,9 @@ void journal_settled(struct broker *b, struct mail *m);
 
 /** A name is there, or its kind has changed. */
 void journal_agent(struct broker *b, uint32_t agent);
+
+/** A name has ended: its numbers stay.  @return whether the disk knows that, if it knew the name */
+bool journal_end(struct broker *b, uint32_t agent);
 
 /** A sender's mails have come up to another number. */
 void journal_seq(struct broker *b, uint32_t agent);

@@ -33,7 +33,7 @@ void recipients_of_names(struct broker *b, const char *names, uint32_t sender,
     char name[MU_NAME_MAX + 1];
     uint64_t mark = ++b->registry.mark;
     while (*names && mu_address_next(&names, name)) {
-        uint32_t agent = registry_find(&b->registry, name);
+        uint32_t agent = registry_addressee(&b->registry, name);
         if (agent == MU_NONE || is_hidden(b, agent, sender)) {
             to->unknown++;
         } else if (b->registry.agents[agent].mark != mark) {
@@ -53,7 +53,7 @@ void recipients_of_answer(struct broker *b, const char *names, uint32_t sender,
     mu_text_init(&read, name, sizeof name);
     to->count = to->refused = 0;
     while (mu_fields_next(&names, &read) || read.cut) {
-        uint32_t agent = read.cut ? MU_NONE : registry_find(&b->registry, name);
+        uint32_t agent = read.cut ? MU_NONE : registry_addressee(&b->registry, name);
         if (agent != MU_NONE && agent != sender && !registry_is_own(agent) &&
             b->registry.agents[agent].mark != mark &&
             (open || !scope_is_inside(registry_scope(&b->registry, agent)))) {
@@ -73,7 +73,7 @@ static void recipients_of_members(struct broker *b, const char *group, bool insi
 {
     uint32_t place = 0;
     for (const char *name; (name = groups_member(&b->pages.groups, group, inside, &place));) {
-        uint32_t agent = registry_find(&b->registry, name);
+        uint32_t agent = registry_addressee(&b->registry, name);
         if (agent != MU_NONE && agent != sender && view_inside(b, agent) == inside) {
             to->agents[to->count++] = agent;
         }

@@ -72,6 +72,7 @@ static muster_Entry entry_of(struct broker *b, uint32_t agent)
                       .reason = nothing,
                       .last_seq = registry_last_seq(a)};
     if (a->process == MU_NONE) {
+        e.reason = a->named >= NAMED_ENDS ? sample_text(muster_REASON_DISPOSED) : nothing;
         return e;
     }
     bool is_here = a->is.home[0] == '\0';

@@ -185,6 +185,10 @@ static void entry_take(struct broker *b, struct peer *p, const muster_Entry *e, 
     (void)mu_text_copy(route->home, sizeof route->home, e->home);
     (void)mu_text_copy(route->host, sizeof route->host, e->host);
     (void)mu_text_copy(route->reason, sizeof route->reason, e->reason ? e->reason : "");
+    if (!present && strcmp(route->reason, muster_REASON_DISPOSED) == 0 && a->process != MU_NONE &&
+        strcmp(a->place, p->place) == 0) {
+        registry_named_on(&b->registry, agent, NAMED_DISPOSED);
+    }
     lifecycle_review(b, agent);
 }
 

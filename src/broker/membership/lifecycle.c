@@ -207,8 +207,10 @@ void lifecycle_depart(struct broker *b, uint32_t agent)
     residents_remove(&b->registry, &b->processes, agent);
     registry_unseat(&b->registry, agent, clock_wall_ns(&b->clock));
     steps_rescope(b, agent);
-    a->ended = b->clock.mode == CLOCK_COMMITS;
-    a->passed = a->ended;
+    a->passed = b->clock.mode == CLOCK_COMMITS;
+    if (a->passed) {
+        registry_named_on(&b->registry, agent, NAMED_DISPOSED_BY_STEP);
+    }
     mailbox_unwatch(&b->mailbox, agent);
     mailbox_repeat(&b->mailbox, agent);
     if (b->processes.at[place].kind == PROCESS_BROKER) {
@@ -218,6 +220,7 @@ void lifecycle_depart(struct broker *b, uint32_t agent)
     } else {
         receipts_drop(&b->receipts, agent, receipts_count(&b->receipts, agent));
     }
+    retire_disposed(b, agent); /* before another agent gets the name */
     names_changed(b);
     notify_presence(b, agent);
     if (!clock_by_steps(&b->clock) && snapshots_keep(b, agent)) {

@@ -127,9 +127,11 @@ uint64_t announce_deadline_ns(const struct broker *b);
 /* --- retire.c -------------------------------------------------------------------------------- */
 
 /*
- * Names end when room is needed: those whose agents have been absent for long enough, and that hold
- * nothing that may be asked for: mail in a box or on its way, sent or awaited, a group, a
- * snapshot, a claim, a probe.  While a run goes by steps none ends.
+ * A name whose agent was disposed of ends at once; its index is free when nothing refers to it any
+ * more and the other brokers have heard of it.  The others end when room is needed: those whose
+ * agents have been absent for long enough, and that hold nothing that may be asked for: mail in a
+ * box or on its way, sent or awaited, a group, a snapshot, a claim, a probe.  While a run goes by
+ * steps none ends.
  *
  * Many parts of the broker keep indices of agents.  Those that are in use are found anew each time,
  * by a look at all of them: nothing has to be counted.
@@ -137,7 +139,13 @@ uint64_t announce_deadline_ns(const struct broker *b);
 
 void retire_init(struct retirement *t, uint64_t expiry_ns);
 
-/** Ends names, when there are many, and it is time.  No caller may have an index in hand. */
+/**
+ * An agent has left that was perhaps disposed of.  If so, its mail is answered, and its groups and
+ * services go, at once, or when the run that goes by steps is over.
+ */
+void retire_disposed(struct broker *b, uint32_t agent);
+
+/** Ends names, when it is time.  No caller may have an index in hand. */
 void retire_tick(struct broker *b);
 
 /** @return when retire_tick is needed next, or UINT64_MAX */

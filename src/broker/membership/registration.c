@@ -138,7 +138,8 @@ static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uin
 }
 
 /* The agent in that slot, and no other of its name, has left, or no longer wants its name. */
-static void slot_leave(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot)
+static void slot_leave(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
+                       bool disposed)
 {
     const struct agent *a = &b->registry.agents[agent];
     uint32_t claim = claims_find(&b->claims, a->claim, place);
@@ -147,6 +148,9 @@ static void slot_leave(struct broker *b, uint32_t agent, uint32_t place, uint32_
             lifecycle_end_claim(b, claim);
         }
     } else if (a->process == place && a->resident.slot == slot) {
+        if (disposed) {
+            registry_named_on(&b->registry, agent, NAMED_DISPOSED);
+        }
         presence_leave(b, agent);
     }
 }
@@ -162,7 +166,8 @@ static void entry_take(struct broker *b, uint32_t place, const muster_Registrati
     uint32_t agent = objection ? MU_NONE : registry_find(&b->registry, e->name);
     if (e->state == muster_STATE_ABSENT) {
         if (agent != MU_NONE) {
-            slot_leave(b, agent, place, slot);
+            slot_leave(b, agent, place, slot,
+                       e->reason && strcmp(e->reason, muster_REASON_DISPOSED) == 0);
         }
         return;
     }

@@ -25,7 +25,7 @@ static uint32_t sender_of(struct broker *b, const char *src)
 }
 
 /* @return why it goes no further, or DELIVERED */
-static muster_Outcome objection_to(struct broker *b, const muster_Mail *m)
+static muster_Outcome objection_to(struct broker *b, uint32_t agent, const muster_Mail *m)
 {
     if (m->hops > MU_HOPS_MAX) {
         b->federation.count.hops_refused++;
@@ -34,6 +34,11 @@ static muster_Outcome objection_to(struct broker *b, const muster_Mail *m)
     if (!validate_mail(m)) {
         b->counters.malformed++;
         return muster_OUTCOME_REFUSED;
+    }
+    if (b->registry.agents[agent].named == NAMED_ENDED) {
+        b->counters.sent++;
+        b->counters.unknown_name++;
+        return muster_OUTCOME_UNKNOWN_NAME;
     }
     if (m->level != muster_LEVEL_RAM && !journal_takes(b)) {
         b->counters.sent++;
@@ -48,7 +53,7 @@ static void mail_take(struct broker *b, uint32_t agent, uint32_t sender, const m
     muster_Mail letter = *from;
     letter.hops++;
     letter.due_ns = -1; /* it has waited for its time already */
-    muster_Outcome objection = objection_to(b, &letter);
+    muster_Outcome objection = objection_to(b, agent, &letter);
     if (objection != muster_OUTCOME_DELIVERED) {
         outcome_tell(b, sender, letter.seq, letter.seq, objection);
         return;

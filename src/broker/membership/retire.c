@@ -9,6 +9,9 @@
 static const uint64_t EXPIRY_NS = 600000000000;
 static const uint64_t PAUSE_NS = 250000000;
 
+/* So long a name that has ended keeps its index: the other brokers hear of its end. */
+static const uint64_t LINGER_NS = 2000000000;
+
 void retire_init(struct retirement *t, uint64_t expiry_ns)
 {
     *t = (struct retirement){.expiry_ns = expiry_ns ? expiry_ns : EXPIRY_NS};
@@ -174,7 +177,8 @@ static bool is_absent(const struct broker *b, uint32_t agent)
     bool is_nobody = a->name[0] != '\0' && a->process == MU_NONE && a->claim == MU_NONE;
     bool is_idle = !a->unsaved && !mu_list_has(MU_LINKS(b->limiter.agents, link), agent);
     return is_nobody && is_idle && !names_is_held(b, agent) && wall_ns > a->since_wall_ns &&
-           wall_ns - a->since_wall_ns >= b->retirement.expiry_ns;
+           wall_ns - a->since_wall_ns >=
+               (a->named == NAMED_ENDED ? LINGER_NS : b->retirement.expiry_ns);
 }
 
 static void hold_all(struct broker *b)
@@ -187,6 +191,87 @@ static void hold_all(struct broker *b)
     hold_probes(b);
     hold_groups(b);
     hold_alerts(b);
+}
+
+/* --- agents that were disposed of ------------------------------------------------------------- */
+
+/* Its mail is answered: what another broker may have had already, by that broker. */
+static void box_clear(struct broker *b, uint32_t agent)
+{
+    const struct box *box = &b->mailbox.boxes[agent];
+    bool beyond = b->registry.agents[agent].is.home[0] != '\0';
+    for (int list = POST_HELD; box->begun && list <= POST_FLIGHT; list++) {
+        uint32_t post = MU_NONE;
+        while ((post = mu_list_first(&box->lists[list].posts)) != MU_NONE) {
+            struct mail *m = b->mailbox.posts[post].mail;
+            bool passes = list == POST_FLIGHT && beyond;
+            if (list == POST_FLIGHT) {
+                (void)mailbox_pop(&b->mailbox, agent);
+            } else {
+                mailbox_withdraw(&b->mailbox, post);
+            }
+            b->federation.count.passed_on += passes;
+            b->counters.dropped += !passes;
+            mail_fate_on(m, passes ? FATE_PASSES : FATE_DROPS);
+            outcome_settle(b, m);
+        }
+    }
+}
+
+/* Its groups and services go, as the broker at which it lived says to the others. */
+static void lines_clear(struct broker *b, const char *name)
+{
+    struct lines *g = &b->pages.groups, *s = &b->pages.services;
+    struct said said = view_said(b);
+    for (uint32_t i = 0; i < g->pairs.count; i++) {
+        if (strcmp(mu_pairs_second(&g->pairs, g->pairs.order[i]), name) == 0) {
+            (void)groups_leave(g, mu_pairs_first(&g->pairs, g->pairs.order[i]), name, &said);
+        }
+    }
+    for (uint32_t i = 0; i < s->pairs.count; i++) {
+        if (strcmp(mu_pairs_second(&s->pairs, s->pairs.order[i]), name) == 0) {
+            (void)services_withdraw(s, mu_pairs_first(&s->pairs, s->pairs.order[i]), name, &said);
+        }
+    }
+    notify_tell(b);
+}
+
+static void subscriptions_clear(struct broker *b, const char *name)
+{
+    struct subscriptions *all = &b->pages.subscriptions;
+    for (uint32_t i = all->count; i-- > 0;) {
+        if (strcmp(subscriptions_at(all, i)->agent, name) == 0) {
+            subscriptions_remove(all, i);
+        }
+    }
+}
+
+static void name_clear(struct broker *b, uint32_t agent)
+{
+    struct agent *a = &b->registry.agents[agent];
+    if (snapshots_keep(b, agent)) { /* it is on its way */
+        registry_named_on(&b->registry, agent, NAMED_BORNE);
+        return;
+    }
+    box_clear(b, agent);
+    if (a->is.home[0] == '\0') {
+        lines_clear(b, a->name);
+    }
+    subscriptions_clear(b, a->name);
+    receipts_drop(&b->receipts, agent, receipts_count(&b->receipts, agent));
+    a->awaited = false;
+    registry_named_on(&b->registry, agent, NAMED_CLEARED);
+    (void)journal_end(b, agent);
+    registry_touch(&b->registry, agent);
+}
+
+void retire_disposed(struct broker *b, uint32_t agent)
+{
+    const struct agent *a = &b->registry.agents[agent];
+    b->retirement.ending += registry_is_ending(a);
+    if (registry_is_ending(a) && a->named != NAMED_ENDED && !clock_by_steps(&b->clock)) {
+        name_clear(b, agent);
+    }
 }
 
 /* --- the end ---------------------------------------------------------------------------------- */
@@ -225,11 +310,16 @@ void retire_tick(struct broker *b)
         return;
     }
     t->next_ns = b->clock.now_ns + PAUSE_NS;
+    t->ending = 0;
+    bool crowded = registry_is_crowded(&b->registry);
     hold_all(b);
     for (uint32_t agent = REGISTRY_OWN; agent < b->registry.count; agent++) {
-        if (!t->held[agent] && is_absent(b, agent) && !has_account(b, agent) &&
-            !is_held_beyond(b, agent)) {
+        const struct agent *a = &b->registry.agents[agent];
+        if ((crowded || a->named == NAMED_ENDED) && !t->held[agent] && is_absent(b, agent) &&
+            !has_account(b, agent) && !is_held_beyond(b, agent) && journal_end(b, agent)) {
             agent_end(b, agent);
+        } else {
+            retire_disposed(b, agent);
         }
     }
     if (b->federation.missed && !registry_is_crowded(&b->registry)) {
@@ -239,6 +329,7 @@ void retire_tick(struct broker *b)
 
 uint64_t retire_deadline_ns(const struct broker *b)
 {
-    bool wanted = registry_is_crowded(&b->registry) && !clock_by_steps(&b->clock);
+    bool wanted = (b->retirement.ending > 0 || registry_is_crowded(&b->registry)) &&
+                  !clock_by_steps(&b->clock);
     return wanted ? b->retirement.next_ns : UINT64_MAX;
 }

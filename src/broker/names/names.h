@@ -36,9 +36,6 @@ enum {
     REGISTRY_MAX = REGISTRY_ORDINARY + REGISTRY_KEPT
 };
 
-/* From so many names on the broker looks for names that can end. */
-enum { REGISTRY_CROWDED = REGISTRY_ORDINARY - MU_AGENTS_MAX / 8 };
-
 /* Lines of the white pages that are published together. */
 enum { REGISTRY_PAGE = 64, REGISTRY_PAGES = (REGISTRY_MAX + REGISTRY_PAGE - 1) / REGISTRY_PAGE };
 
@@ -59,6 +56,23 @@ struct presence {
     char host[MU_FIELD_MAX + 1];
     uint64_t busy_since_wall_ns;   /* 0: it is not */
     char reason[MU_FIELD_MAX + 1]; /* why it is in this state; "": it does not say */
+};
+
+/* How a name ends whose agent was disposed of. */
+enum name_state {
+    NAMED_LASTS,
+    NAMED_ENDS_WITH_RUN, /* a step has disposed of it: the members of the run are to know */
+    NAMED_ENDS,          /* what it holds is still to be cleared */
+    NAMED_ENDED,         /* it holds nothing, and is unknown to senders */
+    NAMED_STATES
+};
+
+enum name_event {
+    NAMED_BORNE,    /* an agent has it */
+    NAMED_DISPOSED, /* its process, or its broker, says so */
+    NAMED_DISPOSED_BY_STEP,
+    NAMED_CLEARED,
+    NAMED_EVENTS
 };
 
 struct agent {
@@ -90,13 +104,13 @@ struct agent {
     bool handed;     /* the broker has given it to its process, which has not said since when it is
                         there */
     bool gone;       /* its process went inside a run: counts when that ends */
-    bool ended;      /* it was disposed of inside a run, whose members are to know */
     bool passed;     /* a run has taken the name from a process since it began */
     bool unsaved;    /* the journal has to write its line */
     bool ram_behind; /* it has sent mail in RAM behind durable_order */
     bool awaited; /* it went without a word, or an earlier life of the broker knew it: its receipts
                      are kept */
-    muster_Kind saved_kind;
+    enum name_state named;
+    muster_Kind saved_kind; /* on disk; JOURNAL_ENDED: the name has ended */
 };
 
 /*
@@ -123,6 +137,7 @@ struct graveyard {
 
 /* The end of names: see membership/retire.c. */
 struct retirement {
+    uint32_t ending; /* so many names are about to end, at least, that need not wait */
     uint64_t expiry_ns;
     uint64_t next_ns; /* the next look */
     uint64_t ended;   /* counter */
@@ -135,7 +150,8 @@ struct registry {
     uint32_t live;        /* names that there are */
     uint32_t present;     /* agents that are there, the broker and its parts not counted */
     uint32_t *order;      /* indices in order of name: live of them */
-    uint32_t used;        /* ordinary indices ever given out */
+    uint32_t most;        /* ordinary indices that may be */
+    uint32_t used;        /* those ever given out */
     uint32_t *free;       /* those of names that have ended */
     uint32_t free_count;
     uint64_t kept; /* a bit for each place of REGISTRY_KEPT that is taken */
@@ -147,7 +163,8 @@ struct registry {
     struct mu_table names;
 };
 
-void registry_init(struct registry *r);
+/** @param names  how many there may be at a time, the broker's own not counted */
+void registry_init(struct registry *r, uint32_t names);
 
 /** @return the agent's scope, for the rules of steps/scope.h */
 static inline uint8_t registry_scope(const struct registry *r, uint32_t agent)
@@ -160,6 +177,19 @@ static inline uint32_t registry_find(const struct registry *r, const char *name)
 {
     return mu_table_find(&r->names, name);
 }
+
+/** @return the index of a name that has not ended, or MU_NONE: what is for it is turned down */
+static inline uint32_t registry_addressee(const struct registry *r, const char *name)
+{
+    uint32_t agent = registry_find(r, name);
+    return agent != MU_NONE && r->agents[agent].named == NAMED_ENDED ? MU_NONE : agent;
+}
+
+/** Something happens to a name. */
+void registry_named_on(struct registry *r, uint32_t agent, enum name_event event);
+
+/** @return whether the agent of the name was disposed of, and no other bears it */
+bool registry_is_ending(const struct agent *a);
 
 /** @return whether it is the broker or one of its parts */
 static inline bool registry_is_own(uint32_t agent)
@@ -183,7 +213,7 @@ void registry_remove(struct registry *r, uint32_t agent);
 /** @return whether registry_add has a place for one more */
 bool registry_has_room(const struct registry *r);
 
-/** @return whether names should end that can */
+/** @return whether names should end that can: fewer than an eighth is free */
 bool registry_is_crowded(const struct registry *r);
 
 /** A line of the white pages is news to all again. */

@@ -7,9 +7,39 @@
 
 #include <string.h>
 
-void registry_init(struct registry *r)
+/* clang-format off */
+/* The letters of the table; X is illegal. */
+enum {
+    X = 255,
+    L = NAMED_LASTS, R = NAMED_ENDS_WITH_RUN, E = NAMED_ENDS, D = NAMED_ENDED
+};
+
+static const unsigned char next_named[NAMED_STATES][NAMED_EVENTS] = {
+    /*                       borne disposed disposed by step cleared */
+    [NAMED_LASTS]         = {L,    E,       R,               X},
+    [NAMED_ENDS_WITH_RUN] = {L,    R,       R,               D},
+    [NAMED_ENDS]          = {L,    E,       R,               D},
+    [NAMED_ENDED]         = {L,    X,       X,               X},
+};
+/* clang-format on */
+
+void registry_named_on(struct registry *r, uint32_t agent, enum name_event event)
 {
-    *r = (struct registry){0};
+    struct agent *a = &r->agents[agent];
+    unsigned next = next_named[a->named][event];
+    MU_ASSERT(next != X);
+    a->named = (enum name_state)next;
+}
+
+bool registry_is_ending(const struct agent *a)
+{
+    return a->process == MU_NONE && a->named != NAMED_LASTS;
+}
+
+void registry_init(struct registry *r, uint32_t names)
+{
+    MU_ASSERT(names <= MU_AGENTS_MAX);
+    *r = (struct registry){.most = names + REGISTRY_OWN};
     r->agents = mu_startup_array(REGISTRY_MAX, sizeof *r->agents);
     r->order = mu_startup_array(REGISTRY_MAX, sizeof *r->order);
     r->free = mu_startup_array(REGISTRY_ORDINARY, sizeof *r->free);
@@ -69,7 +99,7 @@ static uint32_t index_take(struct registry *r)
     if (r->free_count > 0) {
         return r->free[--r->free_count];
     }
-    return r->used < REGISTRY_ORDINARY ? r->used++ : MU_NONE;
+    return r->used < r->most ? r->used++ : MU_NONE;
 }
 
 static uint32_t index_take_kept(struct registry *r)
@@ -141,12 +171,12 @@ void registry_remove(struct registry *r, uint32_t agent)
 
 bool registry_has_room(const struct registry *r)
 {
-    return r->free_count > 0 || r->used < REGISTRY_ORDINARY;
+    return r->free_count > 0 || r->used < r->most;
 }
 
 bool registry_is_crowded(const struct registry *r)
 {
-    return r->live >= REGISTRY_CROWDED;
+    return r->live >= r->most - (r->most - REGISTRY_OWN) / 8;
 }
 
 static struct mu_links page_links(struct registry *r)
@@ -188,7 +218,8 @@ void registry_seat(struct registry *r, uint32_t agent, uint32_t process, const c
     a->is = *presence;
     a->since_wall_ns = wall_ns;
     a->verdict_due = process != MU_NONE;
-    a->gone = a->awaited = a->ended = a->handed = false;
+    a->gone = a->awaited = a->handed = false;
+    registry_named_on(r, agent, NAMED_BORNE);
     registry_touch(r, agent);
 }
 
@@ -217,6 +248,7 @@ bool registry_update(struct registry *r, uint32_t agent, const struct presence *
                 strcmp(a->is.reason, presence->reason) == 0;
     a->is = *presence;
     a->handed = false;
+    registry_named_on(r, agent, NAMED_BORNE);
     if (same) {
         return false;
     }

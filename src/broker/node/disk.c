@@ -58,7 +58,7 @@ static bool put_agent(struct disk *d, const struct journal_entry *e)
 {
     struct filling f = fill(d, DISK_PUT_AGENT);
     fill_text(&f, e->name);
-    fill_text(&f, validate_kind_word(e->agent_kind));
+    fill_text(&f, e->agent_kind == JOURNAL_ENDED ? DISK_ENDED : validate_kind_word(e->agent_kind));
     fill_number(&f, e->durable_seq);
     fill_number(&f, e->reserved_seq);
     fill_number(&f, e->failed_seq);

@@ -31,6 +31,9 @@ static void read_agent(struct reading *r, struct journal_entry *e)
     e->kind = JOURNAL_AGENT;
     e->name = read_text(r);
     const char *kind = read_text(r);
+    if (strcmp(kind, DISK_ENDED) == 0) {
+        e->agent_kind = JOURNAL_ENDED;
+    }
     for (unsigned i = 0; validate_kind_word((muster_Kind)i); i++) {
         if (strcmp(validate_kind_word((muster_Kind)i), kind) == 0) {
             e->agent_kind = (muster_Kind)i;

@@ -60,6 +60,9 @@ struct disk {
     uint64_t wrote_ns;
 };
 
+/** The kind of a name that has ended, in the store. */
+#define DISK_ENDED "ended"
+
 /** The words for lines in the store, one for each enum lines_kind. */
 extern const char *const disk_line_words[LINES_KINDS];
 

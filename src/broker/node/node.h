@@ -236,6 +236,7 @@ struct settings {
     double delivery_interval_ms;
     const char *policy, *audit; /* files; NULL: none */
     const char *store;          /* a file; "none"; NULL: the usual one */
+    int64_t names;
     int64_t name_expiry_s;
     int64_t box_mails, box_bytes;
     const char *box_policy_word;

@@ -54,6 +54,7 @@ int startup_run(struct startup *o, const struct settings *s, const char *name)
                                 .pid = (uint32_t)getpid(),
                                 .wall_ns = mu_clock_wall_ns(),
                                 .delivery_interval_ns = (uint64_t)(s->delivery_interval_ms * 1e6),
+                                .names = (uint32_t)s->names,
                                 .name_expiry_ns = (uint64_t)s->name_expiry_s * 1000000000,
                                 .audit = s->audit != NULL,
                                 .box_policy = s->box_policy,

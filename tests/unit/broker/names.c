@@ -194,6 +194,83 @@ static void test_numbers_of_a_box_go_on(void)
     CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), "r1 #2 red/2 two"));
 }
 
+/* --- agents that are disposed of -------------------------------------------------------------- */
+
+static void dispose(const char *name)
+{
+    char process[MU_PROCESS_MAX + 1];
+    snprintf(process, sizeof process, "p-%s", name);
+    muster_Registration r = registration(name, process);
+    entry_of(&r)->state = muster_STATE_ABSENT;
+    entry_of(&r)->reason = words(muster_REASON_DISPOSED);
+    broker_registration(story.b, &r, story.now_ns);
+}
+
+static bool has(const char *group)
+{
+    uint32_t place = 0;
+    return groups_member(&story.b->pages.groups, group, true, &place) != NULL;
+}
+
+/* blue is in a group, is suspended, and has mail. */
+static void test_a_disposed_name_ends_at_once(void)
+{
+    story_begin();
+    story_join("red");
+    story_join("blue");
+    muster_Mail m = letter("blue", 1, "broker", "g");
+    m.layer = 2;
+    m.performative = words("group-join");
+    story_mail(m);
+    collect();
+    story_ack("blue", 1);
+    CU_ASSERT_TRUE(has("g"));
+    story_state("blue", muster_STATE_SUSPENDED);
+    story_send("red", 1, "blue", "one");
+    collect();
+    dispose("blue");
+    CU_ASSERT_NOT_EQUAL(strstr(story_collect(), "red 1-1 dropped"), NULL);
+    CU_ASSERT_FALSE(has("g"));
+    story_send("red", 2, "blue", "two");
+    CU_ASSERT_NOT_EQUAL(strstr(story_collect(), "red 2-2 unknown-name"), NULL);
+    story_join("blue");
+    story_send("red", 3, "blue", "three");
+    CU_ASSERT_NOT_EQUAL(strstr(story_collect(), "red/3 three"), NULL);
+    CU_ASSERT_EQUAL(story.b->retirement.ended, 0);
+}
+
+static void test_a_disposed_name_leaves_its_place(void)
+{
+    story_begin();
+    story_join("red");
+    story_join("blue");
+    dispose("blue");
+    story_tick(1 * SECOND);
+    CU_ASSERT_TRUE(is_known("blue")); /* the other brokers are to hear of it */
+    story_tick(2 * SECOND);
+    CU_ASSERT_FALSE(is_known("blue"));
+    CU_ASSERT_EQUAL(story.b->retirement.ending, 0);
+    CU_ASSERT_PTR_NOT_NULL(graveyard_find(&story.b->registry.graveyard, "blue"));
+}
+
+/* Its last mail is still on its way. */
+static void test_last_words_hold_the_place(void)
+{
+    story_begin();
+    story_join("red");
+    story_join("blue");
+    story_state("red", muster_STATE_SUSPENDED);
+    story_send("blue", 1, "red", "bye");
+    dispose("blue");
+    story_tick(10 * SECOND);
+    CU_ASSERT_TRUE(is_known("blue"));
+    story_state("red", muster_STATE_RUNNING);
+    CU_ASSERT_NOT_EQUAL(strstr(story_collect(), "blue/1 bye"), NULL);
+    story_ack("red", 1);
+    story_tick(1 * SECOND);
+    CU_ASSERT_FALSE(is_known("blue"));
+}
+
 /* --- the graveyard ---------------------------------------------------------------------------- */
 
 static void test_limit_graves(void)
@@ -222,6 +299,9 @@ int main(void)
         {"a full broker refuses new names alone", test_a_full_broker_refuses_new_names_alone},
         {"numbers outlive a name", test_numbers_outlive_a_name},
         {"numbers of a box go on", test_numbers_of_a_box_go_on},
+        {"a disposed name ends at once", test_a_disposed_name_ends_at_once},
+        {"a disposed name leaves its place", test_a_disposed_name_leaves_its_place},
+        {"last words hold the place", test_last_words_hold_the_place},
         {"limit: graves", test_limit_graves},
         CU_TEST_INFO_NULL,
     };

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The whole tables of what a process is to the broker: its session, its turn, its role in a run. */
+/* The whole tables of what a process is to the broker: its session, its turn, its role in a run;
+ * and of how a name ends. */
 #include "broker/steps/steps.h"
 #include "state_walk.h"
 #include "suite.h"
@@ -81,14 +82,29 @@ static void test_roles(void)
     state_walk(apply_role, "OSPABYZ", rows);
 }
 
+static int apply_name(int state, int event)
+{
+    static struct agent agent;
+    struct registry registry = {.agents = &agent};
+    agent.named = (enum name_state)state;
+    registry_named_on(&registry, 0, (enum name_event)event);
+    return (int)agent.named;
+}
+
+static void test_names(void)
+{
+    /* Lasts, ends with the Run, Ends, enDed */
+    static const char *const rows[NAMED_STATES] = {"|LER.", "|LRRD", "|LERD", "|L..."};
+    CU_ASSERT_EQUAL(NAMED_EVENTS, 4);
+    state_walk(apply_name, "LRED", rows);
+}
+
 int main(void)
 {
     processes_init(&processes);
     CU_TestInfo tests[] = {
-        {"sessions", test_sessions},
-        {"turns", test_turns},
-        {"roles", test_roles},
-        CU_TEST_INFO_NULL,
+        {"sessions", test_sessions}, {"turns", test_turns}, {"roles", test_roles},
+        {"names", test_names},       CU_TEST_INFO_NULL,
     };
     return suite_run("broker/process_states", tests);
 }

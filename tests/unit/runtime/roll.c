@@ -106,12 +106,54 @@ static void test_another_broker_hears_all_and_is_told_nothing_before_its_answer(
     CU_ASSERT_PTR_NULL(queue_first(&process, QUEUE_ACK)); /* the box counts anew */
 }
 
+static uint32_t heard;
+
+static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
+{
+    (void)self;
+    (void)a;
+    (void)accepted;
+    (void)reason;
+    heard++;
+}
+
+static void refuse(const char *name, muster_Refusal code)
+{
+    muster_Verdict v = {
+        .agent = words(name), .code = code, .broker_incarnation = 5, .reason = words("why")};
+    muster_Delivery d = delivery(&v, false);
+    (void)life_name_on(agent_find(&process, name), NAME_WRITTEN);
+    step_take_delivery(&process, &d, NULL);
+}
+
 /* There is no network: the first part stays in hand. */
 static void write_in_vain(void)
 {
     capture_begin();
     roll_write(&process);
     capture_end();
+}
+
+/* Only a full broker may think better of it; the agent hears of the refusal once. */
+static void test_a_full_broker_is_asked_again(void)
+{
+    mu_agent *a70 = agent_find(&process, "a70");
+    a70->handlers.on_registered = on_registered;
+    refuse("a70", muster_REFUSAL_NAME_HELD);
+    forget();
+    roll_refresh(&process);
+    CU_ASSERT(process.roll.due_count == 1 && process.roll.due[0]);
+    heard = 0;
+    refuse("a70", muster_REFUSAL_FULL);
+    CU_ASSERT_EQUAL(heard, 0);
+    forget();
+    roll_refresh(&process);
+    CU_ASSERT(process.roll.due_count == 2 && process.roll.due[1]);
+    process.link.broker[0] = 'm';
+    forget();
+    roll_mark(a70);
+    write_in_vain();
+    CU_ASSERT_NOT_EQUAL(process.roll.entries[70 % MU_PART_AGENTS].state, muster_STATE_ABSENT);
 }
 
 /* What it asked for before it heard may have been granted to it since. */
@@ -147,17 +189,6 @@ static void test_nobody_is_told_before_a_broker_is_known(void)
     CU_ASSERT_EQUAL(process.roll.due_count, 3);
 }
 
-static uint32_t heard;
-
-static void on_registered(void *self, mu_agent *a, bool accepted, const char *reason)
-{
-    (void)self;
-    (void)a;
-    (void)accepted;
-    (void)reason;
-    heard++;
-}
-
 /* A refusal on its way may be that of an earlier one of the name, whose place somebody has taken;
  * who is gone hears of nothing. */
 static void test_a_verdict_of_another_life(void)
@@ -179,6 +210,7 @@ int main(void)
     CU_TestInfo tests[] = {
         {"a change marks its part", test_a_change_marks_its_part},
         {"a roll call marks all", test_a_roll_call_marks_all},
+        {"a full broker is asked again", test_a_full_broker_is_asked_again},
         {"another broker hears all, and is told nothing before its answer",
          test_another_broker_hears_all_and_is_told_nothing_before_its_answer},
         {"a verdict of another life", test_a_verdict_of_another_life},
