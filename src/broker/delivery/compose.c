@@ -6,11 +6,6 @@
 
 #include <string.h>
 
-bool compose_is_awake(const struct broker *b)
-{
-    return b->dispatch.interval_ns == 0 || b->dispatch.awake;
-}
-
 static bool is_paced(const struct broker *b)
 {
     return scope_is_paced(b->dispatch.view.scope);
@@ -19,7 +14,7 @@ static bool is_paced(const struct broker *b)
 /* @return whether ordinary mail may go out */
 static bool is_awake(const struct broker *b)
 {
-    return is_paced(b) ? b->dispatch.view.is_round : compose_is_awake(b);
+    return is_paced(b) ? b->dispatch.view.is_round : dispatch_is_awake(&b->dispatch);
 }
 
 /* @return how much longer a mail has waited than it had without an interval, at most */
@@ -313,33 +308,27 @@ bool compose_fill(struct broker *b, uint32_t place, muster_Delivery *d)
            d->members._length || d->memberships._length || d->offers._length || d->roll_call;
 }
 
-bool compose_fill_trip(struct broker *b, uint32_t place, muster_Delivery *d)
+bool compose_fill_word(struct broker *b, uint32_t place, muster_Delivery *d)
 {
     struct dispatch *c = &b->dispatch;
-    bool found = snapshots_next(b, place, &c->trip);
-    if (found) {
+    if (b->snapshots.words_count > 0 && snapshots_next(b, place, &c->trip)) {
         c->open_word = WORD_TRIP;
-        delivery_begin(b, &b->processes.at[place], d);
-        d->roll_call = false;
+    } else if (b->probes.words_count > 0 && probes_next(b, place, &c->probe)) {
+        c->open_word = WORD_PROBE;
+    } else {
+        return false;
+    }
+    delivery_begin(b, &b->processes.at[place], d);
+    d->roll_call = false;
+    if (c->open_word == WORD_TRIP) {
         d->trips._buffer = &c->trip;
         d->trips._length = d->trips._maximum = 1;
-    }
-    return found;
-}
-
-bool compose_fill_glance(struct broker *b, uint32_t place, muster_Delivery *d)
-{
-    struct dispatch *c = &b->dispatch;
-    bool found = probes_next(b, place, &c->probe);
-    if (found) {
-        c->open_word = WORD_PROBE;
-        delivery_begin(b, &b->processes.at[place], d);
-        d->roll_call = false;
+    } else {
         d->serial = 0; /* it waits for nothing */
         d->glances._buffer = &c->probe;
         d->glances._length = d->glances._maximum = 1;
     }
-    return found;
+    return true;
 }
 
 void compose_end_word(struct broker *b)

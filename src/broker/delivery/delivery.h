@@ -126,14 +126,8 @@ uint64_t pacing_deadline_ns(const struct broker *b);
 
 /* --- compose.c ------------------------------------------------------------------------------- */
 
-/** @return whether ordinary mail may go out to processes that do not go by steps */
-bool compose_is_awake(const struct broker *b);
-
 /** @return whether there is anything to say */
 bool compose_fill(struct broker *b, uint32_t place, muster_Delivery *d);
-
-/** Nor does a process that only looks, and what it sees. */
-bool compose_fill_glance(struct broker *b, uint32_t place, muster_Delivery *d);
 
 /** Agents that had no room are first in the queue of the next Delivery; one that had something may
  * have more. */
@@ -141,12 +135,11 @@ void compose_return(struct broker *b, bool taken);
 
 void compose_return_passed_by(struct broker *b);
 
-/** A word about an agent on its way waits for nothing, and goes alone.  @return whether there is
- * one
- */
-bool compose_fill_trip(struct broker *b, uint32_t place, muster_Delivery *d);
+/** A word about an agent on its way, or of a probe, waits for nothing, and goes alone.
+ * @return whether there is one */
+bool compose_fill_word(struct broker *b, uint32_t place, muster_Delivery *d);
 
-/** A Delivery with a word of one of these two is out. */
+/** A Delivery with such a word is out. */
 void compose_end_word(struct broker *b);
 
 /* --- dispatcher.c ---------------------------------------------------------------------------- */
@@ -220,6 +213,12 @@ struct dispatch {
 };
 
 void dispatch_init(struct dispatch *c);
+
+/** @return whether ordinary mail may go out to processes that do not go by steps */
+static inline bool dispatch_is_awake(const struct dispatch *c)
+{
+    return c->interval_ns == 0 || c->awake;
+}
 
 /** As broker_next, broker_delivered and broker_undelivered. */
 bool dispatch_next(struct broker *b, const char **process, muster_Delivery *d);

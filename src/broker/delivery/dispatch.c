@@ -49,7 +49,7 @@ static bool place_is_urgent(struct broker *b, uint32_t place)
 static bool place_hold(struct broker *b, uint32_t place)
 {
     const struct process *at = &b->processes.at[place];
-    if (scope_is_paced(at->scope) || compose_is_awake(b) || place_is_urgent(b, place)) {
+    if (scope_is_paced(at->scope) || dispatch_is_awake(&b->dispatch) || place_is_urgent(b, place)) {
         return false;
     }
     processes_turn_on(&b->processes, place, TURN_IS_HELD);
@@ -116,7 +116,7 @@ bool dispatch_next(struct broker *b, const char **process, muster_Delivery *d)
             continue;
         }
         b->dispatch.open = place;
-        if (compose_fill_trip(b, place, d) || compose_fill_glance(b, place, d)) {
+        if (compose_fill_word(b, place, d)) {
             *process = at->name;
             return true;
         }
