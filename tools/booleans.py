@@ -8,7 +8,7 @@ FOLDERS = ("broker", "runtime", "bus", "agent", "sim/session")
 MOST = 3
 # struct: how many it has, and why they are no state.
 REASONS = {
-    "agent": (10, "a name at the broker: what is still to be said, to be kept on disk, or to be passed over in a run"),
+    "agent": (9, "a name at the broker: of its bearer, of a run, and of the store; the comment beside it has which"),
     "tap": (4, "quality of service of one endpoint: DDS allows all combinations, and each is asked for by itself"),
 }
 INNER = re.compile(r"\b(?:struct|enum|union)\s*\w*\s*\{[^{}]*\}|\{[^{}]*\}")

@@ -75,6 +75,9 @@ enum name_event {
     NAMED_EVENTS
 };
 
+/* Its members of two values are no state yet.  Of its bearer are verdict_due and seated, and inside
+ * a run gone and handed; awaited holds while it has none.  let_go and passed are marks of a run,
+ * until the next one begins; unsaved and ram_behind are the store's, whatever else holds. */
 struct agent {
     char name[MU_NAME_MAX + 1];
     char place[MU_PROCESS_MAX + 1]; /* its process, or the last one that it had */
