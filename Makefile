@@ -357,6 +357,10 @@ soak-store: all $(HELPERS) ## a hundred kills of the broker: no durable mail or 
 soak-churn: all $(HELPERS) ## a minute and a half of processes that are killed, stopped and started under mail
 	@BUILD=$(BUILD) tests/soak/churn.py
 
+.PHONY: soak-names
+soak-names: all $(HELPERS) ## half an hour of names that come and go, 100 a second, and a full broker; COUNT=20000 RATE=200 EXPIRY=20: less
+	@BUILD=$(BUILD) tests/soak/names.py $(COUNT) $(RATE) $(EXPIRY)
+
 .PHONY: soak-crash
 soak-crash: all $(PRELOADS) ## a hundred kills of controllers, resolvers and brokers of runs that go on
 	@BUILD=$(BUILD) tests/soak/crash.py

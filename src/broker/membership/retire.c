@@ -311,6 +311,7 @@ void retire_tick(struct broker *b)
     }
     t->next_ns = b->clock.now_ns + PAUSE_NS;
     t->ending = 0;
+    uint64_t ended_before = t->ended;
     bool crowded = registry_is_crowded(&b->registry);
     hold_all(b);
     for (uint32_t agent = REGISTRY_OWN; agent < b->registry.count; agent++) {
@@ -322,7 +323,7 @@ void retire_tick(struct broker *b)
             retire_disposed(b, agent);
         }
     }
-    if (b->federation.missed && !registry_is_crowded(&b->registry)) {
+    if (b->federation.missed && t->ended > ended_before) {
         missed_ask(b);
     }
 }
