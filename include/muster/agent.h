@@ -353,7 +353,8 @@ enum mu_refusal mu_agent_refusal(const mu_agent *a);
 /** @return the state; MU_GONE for ever when it was disposed of */
 enum mu_state mu_agent_state(const mu_agent *a);
 
-/** Changes the state, as a directive would; the white pages follow.  MU_GONE is final. */
+/** Changes the state, as a directive would; the white pages follow.  MU_GONE is final: the agent is
+ * disposed of, and its name ends. */
 void mu_agent_set_state(mu_agent *a, enum mu_state state);
 
 /**
