@@ -104,7 +104,9 @@ static void turns_drop(struct broker *b, uint32_t place)
             b->registry.agents[agent].seen_seq = m->letter.seq - 1; /* it was never said */
         }
         for (; m; m = steps_pop(&turn->mails)) {
-            m->told = b->steps.held ? TOLD_LAST : m->told;
+            if (b->steps.held) {
+                (void)mail_told_on(m, TOLD_ENDS);
+            }
             settle_drop(b, m);
         }
     }
