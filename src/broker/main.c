@@ -41,6 +41,7 @@ struct node {
     uint64_t roster_ns;                 /* since when */
     char simulator[MU_PROCESS_MAX + 1]; /* of the last roster: it gets mail and sends none */
     uint64_t began_ns, looked_ns;
+    bool unmatched; /* a process has come or gone, or its path does not stand yet */
 };
 
 static uint64_t post_now(const struct node *p)
@@ -128,12 +129,15 @@ static void ups_take(struct node *p)
     }
 }
 
-/* A process that leaves has said its last before: that is heard first. */
-static void registrations_take(struct node *p)
+/* A process that leaves has said its last before: that is heard first.  @return whether any process
+ * came, changed or went */
+static bool registrations_take(struct node *p)
 {
+    bool some = false;
     enum bus_life life;
     const muster_Registration *r;
     while ((r = bus_next(&p->registrations, &life))) {
+        some = true;
         ups_take(p);
         if (life == BUS_DATA) {
             broker_registration(p->broker, r, post_now(p));
@@ -141,14 +145,17 @@ static void registrations_take(struct node *p)
             broker_gone(p->broker, r->process, r->part, life == BUS_LOST, post_now(p));
         }
     }
+    return some;
 }
 
-static void post_take(struct node *p)
+/* @return whether processes may have come or gone */
+static bool post_take(struct node *p)
 {
-    registrations_take(p);
+    bool some = registrations_take(p);
     ups_take(p);
     links_take(&p->peers, p->broker, post_now(p));
     rosters_take(p);
+    return some || p->roster;
 }
 
 /* --- out -------------------------------------------------------------------------------------- */
@@ -235,10 +242,13 @@ static void post_round(struct node *p)
     beacon_hear(&p->herald);
     beacon_tell(&p->herald, p->broker, &p->bags);
     links_follow(&p->peers, &p->herald.beacons.others, p->broker, post_now(p));
-    post_take(p);
+    p->unmatched = post_take(p) || p->unmatched;
     bool look = mu_clock_ns() - p->looked_ns >= LOOK_NS;
-    outlets_follow(&p->bags, p->broker);
-    bool impatient = outlets_look(&p->bags, p->broker, p->simulator, look, post_now(p));
+    if (look || p->unmatched) {
+        outlets_follow(&p->bags, p->broker);
+        p->unmatched = outlets_look(&p->bags, p->broker, p->simulator, look, post_now(p));
+    }
+    bool impatient = p->unmatched;
     broker_tick(p->broker, post_now(p));
     store_write(p);
     impatient = !links_tell(&p->peers, p->broker) || impatient;

@@ -30,9 +30,10 @@ struct outlet {
     char process[MU_PROCESS_MAX + 1];
     struct bus_writer writer;
     bool matched;
-    bool hears;        /* multicasts */
-    uint32_t hearers;  /* how many of them there were when it was last asked whether it does */
-    uint32_t readers;  /* it has ever had */
+    bool hears;       /* multicasts */
+    uint32_t hearers; /* how many of them there were when it was last asked whether it does */
+    uint32_t readers; /* it has ever had */
+    uint32_t readers_now;
     uint64_t heard_ns; /* when its last Up came, by the machine's clock; 0: none has */
 };
 

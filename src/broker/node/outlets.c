@@ -122,13 +122,20 @@ static void outlet_listen(struct outlets *m, struct outlet *bag, struct broker *
 
 /* Another life of a neighbour reads what was for the one before, whose reader DDS may still take
  * for alive: what went out before it was found is lost. */
-static void outlet_count_readers(struct outlet *bag, struct broker *b)
+static void outlet_count_readers(struct outlet *bag, uint32_t readers, struct broker *b)
 {
-    uint32_t readers = bus_writer_matched_ever(&bag->writer);
     if (bag->readers > 0 && readers > bag->readers) {
         broker_read_anew(b, bag->process);
     }
     bag->readers = readers;
+}
+
+/* To ask DDS who the readers are costs much more than to ask how many.  @return whether none has
+ * come or gone since they were looked at, and nothing is missing */
+static bool outlet_rests(const struct outlet *bag)
+{
+    return bag->matched && bag->hears && bag->readers_now == bus_writer_matches(&bag->writer) &&
+           bag->readers == bus_writer_matched_ever(&bag->writer);
 }
 
 bool outlets_look(struct outlets *m, struct broker *b, const char *mute, bool all, uint64_t now_ns)
@@ -139,9 +146,11 @@ bool outlets_look(struct outlets *m, struct broker *b, const char *mute, bool al
     }
     for (uint32_t i = 0; i < m->count; i++) {
         struct outlet *bag = &m->at[m->order[i]];
-        if (bag->matched && !all) {
+        if ((bag->matched && !all) || outlet_rests(bag)) {
             continue;
         }
+        uint32_t readers = bus_writer_matched_ever(&bag->writer);
+        bag->readers_now = bus_writer_matches(&bag->writer);
         bool matched = outlet_stands(m, bag, mute);
         if (matched != bag->matched) {
             bag->matched = matched;
@@ -150,7 +159,7 @@ bool outlets_look(struct outlets *m, struct broker *b, const char *mute, bool al
             broker_matched(b, bag->process, matched, now_ns);
         }
         outlet_listen(m, bag, b);
-        outlet_count_readers(bag, b);
+        outlet_count_readers(bag, readers, b);
         some_missing = some_missing || !matched;
     }
     return some_missing;
