@@ -2,6 +2,7 @@
 #include "mind/syntax/syntax.h"
 
 #include "core/fields.h"
+#include "mind/syntax/number.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -263,8 +264,12 @@ void syntax_as_written(char *text)
 static bool field_number(struct syntax_field *f)
 {
     char word[64];
-    if (f->len >= sizeof word) {
-        return false;
+    if (f->len >= sizeof word || f->at[0] > '9' || f->at[0] < '+') {
+        return false; /* no number begins so */
+    }
+    if (memchr(f->at, '.', f->len) && number_read(f->at, f->len, &f->real)) {
+        f->kind = SYNTAX_FIELD_FLOAT;
+        return true;
     }
     memcpy(word, f->at, f->len);
     word[f->len] = '\0';
@@ -316,7 +321,7 @@ struct syntax_field syntax_read_field(const char **at)
     if (**at == '"') {
         return field_string(at);
     }
-    while (**at && !is_space(**at) && !strchr("()\"", **at)) {
+    while (**at && !is_space(**at) && **at != '(' && **at != ')' && **at != '"') {
         (*at)++;
     }
     f.len = (size_t)(*at - f.at);
@@ -348,8 +353,8 @@ void syntax_add_quoted(struct mu_text *out, const char *s)
 
 void syntax_add_float(struct mu_text *out, double x)
 {
-    char digits[40];
-    snprintf(digits, sizeof digits, "%.17g", x);
+    char digits[NUMBER_MAX];
+    number_print(digits, x);
     mu_text_add(out, digits);
     if (!strpbrk(digits, ".en")) {
         mu_text_add(out, ".0");

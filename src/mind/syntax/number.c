@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* One quotient or product of long doubles, with its bound of error: if both ends of what it may be
+ * round to the same result, that is the right one.  If not, the C library does it.  A long double
+ * of 53 bits is never sure, so nothing depends on how many it has. */
+#include "mind/syntax/number.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { READ_DIGITS = 18, PRINT_DIGITS = 17, EXPONENT_MIN = -4, EXPONENT_MAX = 14 };
+
+/* Exact: 5 to the power of 20 has 47 bits. */
+static const long double tens[] = {1e0L,  1e1L,  1e2L,  1e3L,  1e4L,  1e5L,  1e6L,
+                                   1e7L,  1e8L,  1e9L,  1e10L, 1e11L, 1e12L, 1e13L,
+                                   1e14L, 1e15L, 1e16L, 1e17L, 1e18L, 1e19L, 1e20L};
+
+/* @return the digits of a word without its sign as an integer, 0: another form; and how many of
+ * them stand behind the point */
+static uint64_t digits_read(const char *at, const char *end, int *places)
+{
+    uint64_t digits = 0;
+    int count = 0;
+    const char *point = NULL;
+    for (; at < end; at++) {
+        if (*at == '.' && !point) {
+            point = at;
+        } else if (*at >= '0' && *at <= '9' && ++count <= READ_DIGITS) {
+            digits = digits * 10 + (uint64_t)(*at - '0');
+        } else {
+            return 0;
+        }
+    }
+    *places = point ? (int)(end - point) - 1 : 0;
+    return digits;
+}
+
+bool number_read(const char *at, size_t len, double *x)
+{
+    int places;
+    bool minus = len > 0 && *at == '-';
+    uint64_t digits = digits_read(at + minus, at + len, &places);
+    if (digits == 0) {
+        return false;
+    }
+    long double size = (long double)digits / tens[places];
+    long double error = size * LDBL_EPSILON; /* at most half of it, and the sums' half */
+    double least = (double)(size - error);
+    *x = minus ? -least : least;
+    return least == (double)(size + error);
+}
+
+/* @return the first 17 digits of size, rounded, and the exponent of the first; 0: not sure */
+static uint64_t digits_of(double size, int *exponent)
+{
+    int e = EXPONENT_MIN;
+    while (e < EXPONENT_MAX && (e < -1 ? size * tens[-e - 1] >= 1 : size >= tens[e + 1])) {
+        e++;
+    }
+    long double scaled = size * tens[PRINT_DIGITS - 1 - e];
+    long double error = scaled * 4 * LDBL_EPSILON; /* product, and two sums */
+    uint64_t digits = (uint64_t)(scaled - error + 0.5L);
+    bool sure = digits == (uint64_t)(scaled + error + 0.5L) &&
+                digits >= (uint64_t)tens[PRINT_DIGITS - 1] && digits < (uint64_t)tens[PRINT_DIGITS];
+    *exponent = e;
+    return sure ? digits : 0;
+}
+
+/* Writes digits with a point before place `point` of them, without zeros at the end. */
+static void digits_print(char *to, uint64_t digits, int point)
+{
+    char all[PRINT_DIGITS - EXPONENT_MIN] = "0000";
+    int zeros = point < 1 ? 1 - point : 0, count = zeros + PRINT_DIGITS;
+    for (int i = count; i-- > zeros; digits /= 10) {
+        all[i] = (char)('0' + digits % 10);
+    }
+    point += zeros;
+    while (count > point && all[count - 1] == '0') {
+        count--;
+    }
+    memcpy(to, all, (size_t)point);
+    if (count > point) {
+        to[point] = '.';
+        memcpy(to + point + 1, all + point, (size_t)(count - point));
+        count++;
+    }
+    to[count] = '\0';
+}
+
+void number_print(char to[static NUMBER_MAX], double x)
+{
+    int exponent;
+    double size = fabs(x);
+    uint64_t digits = size >= 1e-4 && size < 1e15 ? digits_of(size, &exponent) : 0;
+    if (digits == 0) {
+        snprintf(to, NUMBER_MAX, "%.17g", x);
+        return;
+    }
+    if (x < 0) {
+        *to++ = '-';
+    }
+    digits_print(to, digits, exponent + 1);
+}
