@@ -144,7 +144,7 @@ KEPT     := $(wildcard $(HELPERS) $(PRELOADS) $(BENCHES) $(O)/test/gohome)
 
 .DEFAULT_GOAL := all
 .PHONY: all
-all: deps $(PROGRAMS) $(FAULTS) $(O)/libmuster.a $(O)/libmuster.so.0 $(EXAMPLES) $(KEPT) ## build the programs, the library and the examples
+all: deps $(ARITHMETIC) $(PROGRAMS) $(FAULTS) $(O)/libmuster.a $(O)/libmuster.so.0 $(EXAMPLES) $(KEPT) ## build the programs, the library and the examples
 
 .PHONY: deps test-deps
 deps: ## install what is missing (DEPS=skip: never touch the system)
@@ -165,8 +165,8 @@ CLIPS_CFLAGS := -std=gnu89 -w -g -ffp-contract=off -fno-strict-aliasing -fPIE -f
 PORT_ENVIRONMENT := envrnmnt
 PORT_MEMORY      := memalloc
 PORT_CALLS       := dffnxexe engine genrcexe msgpass
-$(CLIPS)/core/whole: tools/clips-source patches/clips $(wildcard patches/clips/*.patch) | deps
-	$(Q)tools/clips-source $(CLIPS) && touch $@
+$(CLIPS)/core/whole: tools/source patches/clips $(wildcard patches/clips/*.patch) | deps
+	$(Q)tools/source clips $(CLIPS) && touch $@
 $(CLIPS_O)/libclips.a: $(CLIPS)/core/whole src/mind/engine/port.h
 	@mkdir -p $(@D); echo "  CC    $(CLIPS)/core/*.c"
 	$(Q)ls $(CLIPS)/core/*.c | sed 's|.*/||;s|\.c$$||;/^main$$/d' | \
@@ -174,6 +174,25 @@ $(CLIPS_O)/libclips.a: $(CLIPS)/core/whole src/mind/engine/port.h
 	  '$(CC) $(CLIPS_CFLAGS) $$1 -include src/mind/engine/port.h -c -o $(CLIPS_O)/$$0.o $(CLIPS)/core/$$0.c' && \
 	  rm -f $@ && ar rcs $@ $(CLIPS_O)/*.o
 $(call objs,mind): CFLAGS += -fno-strict-aliasing # as it
+
+# The elementary functions of musl, alone: the C library's choose by what the processor has.  They are
+# compiled as musl compiles itself, without fused instructions, for each build: arithmetic.o.
+MUSL := build/musl
+ELEMENTARY := sin cos sincos tan asin acos atan atan2 sinh cosh tanh exp expm1 log log10 pow hypot asinf acosf
+ELEMENTARY_PARTS := __sin __cos __tan __rem_pio2 __rem_pio2_large __expo2 exp_data log_data pow_data \
+                    $(addprefix __math_,divzero invalid oflow uflow xflow)
+MUSL_CFLAGS := -std=c99 -w -O2 -g -ffp-contract=off -frounding-math -fexcess-precision=standard -fno-math-errno \
+               -U__FP_FAST_FMA -fPIC -ffunction-sections -fdata-sections -I$(MUSL)/core \
+               '-Dhidden=__attribute__((visibility("hidden")))' -Dfloat_t=float -Ddouble_t=double
+$(MUSL)/core/whole: tools/source | deps
+	$(Q)tools/source musl $(MUSL) && touch $@
+$(addprefix $(O)/musl/,$(addsuffix .o,$(ELEMENTARY) $(ELEMENTARY_PARTS))): $(O)/musl/%.o: $(MUSL)/core/whole $(O)/flags
+	@mkdir -p $(@D)
+	$(Q)$(CC) $(MUSL_CFLAGS) -c -o $@ $(MUSL)/core/$*.c
+ARITHMETIC := $(O)/musl/arithmetic.o
+$(ARITHMETIC): $(addprefix $(O)/musl/,$(addsuffix .o,$(ELEMENTARY) $(ELEMENTARY_PARTS)))
+	@echo "  LINK  $@"
+	$(Q)$(CC) -r -nostdlib -o $@ $^
 
 # Both libraries have the same in them: what is exported, and what that needs.
 $(O)/libmuster.a: $(O)/libmuster.so.0 $$(call module_objs,runtime)
