@@ -48,15 +48,6 @@ void mail_fate_on(struct mail *m, enum mail_fate_event event)
     m->fate = (enum mail_fate)next_fate[m->fate][event];
 }
 
-muster_Outcome mail_outcome(const struct mail *m)
-{
-    static const muster_Outcome outcomes[FATES] = {[FATE_TAKEN] = muster_OUTCOME_DELIVERED,
-                                                   [FATE_PASSED_ON] = muster_OUTCOME_STORED,
-                                                   [FATE_EXPIRED] = muster_OUTCOME_EXPIRED,
-                                                   [FATE_DROPPED] = muster_OUTCOME_DROPPED};
-    return outcomes[m->fate];
-}
-
 bool mail_durable_on(struct mail *m, enum mail_durable_event event)
 {
     enum mail_durable before = m->durable;

@@ -18,25 +18,6 @@ static void shares_init(struct mailbox_shares *p)
     p->heads = mu_startup_array(slots, sizeof *p->heads);
 }
 
-/* Fibonacci hashing scatters the boxes; neighbours among the senders stay neighbours. */
-static uint32_t *head_of(const struct mailbox_shares *p, uint32_t box, uint32_t sender)
-{
-    return &p->heads[(box * 2654435769u ^ sender) & p->mask];
-}
-
-uint32_t mailbox_share_find(const struct mailbox_shares *p, uint32_t box, uint32_t sender)
-{
-    uint32_t next = *head_of(p, box, sender);
-    while (next != 0) {
-        const struct mailbox_share *pair = &p->at[next - 1];
-        if (pair->box == box && pair->sender == sender) {
-            return next - 1;
-        }
-        next = pair->next;
-    }
-    return MU_NONE;
-}
-
 static uint32_t share_get(struct mailbox_shares *p, uint32_t box, uint32_t sender)
 {
     uint32_t pair = mailbox_share_find(p, box, sender);
@@ -45,7 +26,7 @@ static uint32_t share_get(struct mailbox_shares *p, uint32_t box, uint32_t sende
     }
     pair = mu_pool_take(&p->pool);
     MU_ASSERT(pair != MU_NONE); /* each has a post */
-    uint32_t *head = head_of(p, box, sender);
+    uint32_t *head = mailbox_share_head(p, box, sender);
     p->at[pair] = (struct mailbox_share){.box = box, .sender = sender, .next = *head};
     *head = pair + 1;
     return pair;
@@ -55,7 +36,7 @@ static void share_drop(struct mailbox_shares *p, uint32_t pair)
 {
     struct mailbox_share *gone = &p->at[pair];
     MU_ASSERT(gone->use.mails == 0 && gone->use.bytes == 0);
-    uint32_t *link = head_of(p, gone->box, gone->sender);
+    uint32_t *link = mailbox_share_head(p, gone->box, gone->sender);
     while (*link != pair + 1) {
         link = &p->at[*link - 1].next;
     }
@@ -287,16 +268,21 @@ void mailbox_take_back(struct mailbox *m, uint32_t agent)
     }
 }
 
-uint32_t mailbox_mark_written(struct mailbox *m, uint32_t agent, uint32_t count)
+uint32_t mailbox_mark_written(struct mailbox *m, uint32_t agent, uint32_t count, uint64_t watch_ns)
 {
     struct box *box = mailbox_box(m, agent);
     uint32_t again = 0;
-    for (; count > 0; count--) {
+    for (uint32_t i = 0; i < count; i++) {
         struct post *p = &m->posts[box->out];
         again += p->sent;
         p->sent = true;
         box->out = mailbox_next(m, box->out);
         box->written++;
+    }
+    mailbox_take_back(m, agent);
+    bool watched = mu_list_has(MU_LINKS(m->boxes, watch), agent);
+    if (watch_ns != MAILBOX_UNWATCHED && count > 0 && (again > 0 || !watched)) {
+        mailbox_watch(m, agent, watch_ns);
     }
     return again;
 }
@@ -325,6 +311,9 @@ struct mail *mailbox_pop(struct mailbox *m, uint32_t agent)
     list_remove(m, box, post);
     post_give(m, post);
     box->acked++;
+    if (box->lists[POST_FLIGHT].posts.count == 0) {
+        mailbox_unwatch(m, agent);
+    }
     return mail;
 }
 

@@ -48,8 +48,23 @@ struct mailbox_shares {
     uint32_t mask;
 };
 
+/* Fibonacci hashing scatters the boxes; neighbours among the senders stay neighbours. */
+static inline uint32_t *mailbox_share_head(const struct mailbox_shares *p, uint32_t box,
+                                           uint32_t sender)
+{
+    return &p->heads[(box * 2654435769u ^ sender) & p->mask];
+}
+
 /** @return the pair, or MU_NONE: the sender has nothing there */
-uint32_t mailbox_share_find(const struct mailbox_shares *p, uint32_t box, uint32_t sender);
+static inline uint32_t mailbox_share_find(const struct mailbox_shares *p, uint32_t box,
+                                          uint32_t sender)
+{
+    uint32_t next = *mailbox_share_head(p, box, sender);
+    while (next != 0 && (p->at[next - 1].box != box || p->at[next - 1].sender != sender)) {
+        next = p->at[next - 1].next;
+    }
+    return next != 0 ? next - 1 : MU_NONE;
+}
 
 /*
  * A box for each agent: what waits for it, what was handed out, and what it has acknowledged.
@@ -226,12 +241,16 @@ void mailbox_hand_next(struct mailbox *m, uint32_t agent, const struct mail *mai
 /** Takes back what was handed out but has never gone out. */
 void mailbox_take_back(struct mailbox *m, uint32_t agent);
 
+#define MAILBOX_UNWATCHED UINT64_MAX
+
 /**
- * The next count posts from box->out on have gone out.
+ * The next count posts from box->out on have gone out; the others that were handed out have not,
+ * and are taken back.
  *
+ * @param watch_ns  from now on their acknowledgement is awaited; MAILBOX_UNWATCHED: it is not
  * @return how many of them not for the first time
  */
-uint32_t mailbox_mark_written(struct mailbox *m, uint32_t agent, uint32_t count);
+uint32_t mailbox_mark_written(struct mailbox *m, uint32_t agent, uint32_t count, uint64_t watch_ns);
 
 /** Everything in flight is to go out again. */
 void mailbox_repeat(struct mailbox *m, uint32_t agent);

@@ -131,13 +131,10 @@ struct mail *pool_put(struct pool *s, const muster_Mail *letter)
     return m;
 }
 
-void pool_release(struct pool *s, struct mail *m)
+void pool_free(struct pool *s, struct mail *m)
 {
-    MU_ASSERT(m->uses > 0);
-    if (--m->uses == 0) {
-        s->mails--;
-        record_give(s, m);
-    }
+    s->mails--;
+    record_give(s, m);
 }
 
 /* --- across a restart ------------------------------------------------------------------------- */

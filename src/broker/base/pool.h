@@ -81,35 +81,6 @@ struct quota_accounts {
     struct quota_use all[QUOTA_SIDES];
 };
 
-void quota_init(struct quota_accounts *a, uint32_t agents);
-
-/**
- * Books a mail on its sender's account, if that may be.
- *
- * @param halved  both sides are in use, and have one half of the store each: the run never
- * has more
- * @param urgent  a directive: it has no share, and a reserve that no other mail can take
- */
-enum quota_answer quota_book(struct quota_accounts *a, enum quota_side side, uint32_t sender,
-                             const struct quota_use *want, bool halved, bool urgent);
-
-/**
- * Books a mail that had its room in an earlier life, on whichever account has room for it.
- *
- * @param side  out: that account
- * @return false: neither has
- */
-bool quota_restore(struct quota_accounts *a, enum quota_side *side, uint32_t sender,
-                   const struct quota_use *want);
-
-/** Takes back some of what was booked. */
-static inline void quota_unbook(struct quota_accounts *a, enum quota_side side, uint32_t sender,
-                                const struct quota_use *less)
-{
-    quota_subtract(&a->senders[side][sender], less);
-    quota_subtract(&a->all[side], less);
-}
-
 /* --- pool.c ---------------------------------------------------------------------------------- */
 
 /*
@@ -224,8 +195,16 @@ static inline void pool_keep(struct mail *m)
     m->uses++;
 }
 
+void pool_free(struct pool *s, struct mail *m);
+
 /** Ends one use; the last one frees the mail. */
-void pool_release(struct pool *s, struct mail *m);
+static inline void pool_release(struct pool *s, struct mail *m)
+{
+    MU_ASSERT(m->uses > 0);
+    if (--m->uses == 0) {
+        pool_free(s, m);
+    }
+}
 
 /** @return the text, for a member of a sample: idlc makes none const, and nothing is written there
  */
@@ -252,7 +231,14 @@ bool mail_told_on(struct mail *m, enum mail_told_event event);
 void mail_fate_on(struct mail *m, enum mail_fate_event event);
 
 /** @return the outcome that the fate of a mail stands for, if all its receivers are through */
-muster_Outcome mail_outcome(const struct mail *m);
+static inline muster_Outcome mail_outcome(const struct mail *m)
+{
+    static const muster_Outcome outcomes[FATES] = {[FATE_TAKEN] = muster_OUTCOME_DELIVERED,
+                                                   [FATE_PASSED_ON] = muster_OUTCOME_STORED,
+                                                   [FATE_EXPIRED] = muster_OUTCOME_EXPIRED,
+                                                   [FATE_DROPPED] = muster_OUTCOME_DROPPED};
+    return outcomes[m->fate];
+}
 
 /** @return whether the state has changed */
 bool mail_durable_on(struct mail *m, enum mail_durable_event event);
@@ -278,8 +264,15 @@ void timers_init(struct timers *s, enum timers_kind kind);
 /** Enters a mail for m->at_ns of this kind; equal times go by m->order. */
 void timers_add(struct timers *s, struct mail *m);
 
+void timers_take(struct timers *s, struct mail *m);
+
 /** Takes a mail out, if it is in. */
-void timers_remove(struct timers *s, struct mail *m);
+static inline void timers_remove(struct timers *s, struct mail *m)
+{
+    if (m->place[s->kind] != MU_NONE) {
+        timers_take(s, m);
+    }
+}
 
 /** @return the earliest mail, or NULL */
 static inline struct mail *timers_first(const struct timers *s)

@@ -49,7 +49,7 @@ struct broker *broker_open(const struct broker_options *options)
     timers_init(&b->replays, TIMERS_DUE);
     mailbox_init(&b->mailbox, REGISTRY_MAX);
     mailbox_set_defaults(&b->mailbox, options->box_policy, options->box_mails, options->box_bytes);
-    quota_init(&b->quotas, REGISTRY_MAX);
+    ledger_init(&b->quotas, REGISTRY_MAX);
     alerts_init(&b->alerts, REGISTRY_MAX);
     limiter_init(&b->limiter, REGISTRY_MAX);
     receipts_init(&b->receipts, REGISTRY_MAX);
@@ -123,8 +123,8 @@ void broker_matched(struct broker *b, const char *process, bool matched, uint64_
         return;
     }
     struct process *at = &b->processes.at[place];
-    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
-         agent = residents_next(&b->registry, &b->processes, agent)) {
+    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
+         agent = processes_next_agent(&b->registry, &b->processes, agent)) {
         mailbox_unwatch(&b->mailbox, agent);
     }
     at->refusals_count = at->agents_count ? at->refusals_count : 0;
@@ -177,7 +177,7 @@ static void mail_take(struct broker *b, uint32_t sender, const muster_Mail *lett
     if (effect != STEPS_INSIDE && effect != STEPS_OUTSIDE) {
         route_from_outside(b, m);
     } else if (!steps_keep(b, m, effect == STEPS_OUTSIDE)) {
-        settle_turn_away(b, m);
+        outcome_turn_away(b, m);
     }
 }
 
@@ -196,6 +196,13 @@ static bool mail_is_next(struct broker *b, uint32_t sender, uint64_t first_seq, 
     return true;
 }
 
+static void bearer_heard(struct broker *b, uint32_t agent, uint32_t place)
+{
+    if (b->snapshots.count > 0) {
+        snapshots_heard(b, agent, place);
+    }
+}
+
 static void act_take(struct broker *b, uint32_t place, const muster_Act *act,
                      enum steps_effect effect)
 {
@@ -206,7 +213,7 @@ static void act_take(struct broker *b, uint32_t place, const muster_Act *act,
     }
     if (effect == STEPS_INSIDE) {
         steps_keep_state(&b->steps, agent, act->state);
-        snapshots_heard(b, agent, place);
+        bearer_heard(b, agent, place);
     } else if (act->replays) {
         effect = STEPS_REPLAY;
     }
@@ -214,7 +221,7 @@ static void act_take(struct broker *b, uint32_t place, const muster_Act *act,
         effect = STEPS_NOW; /* it speaks in its turn, but from outside */
     }
     if (act->mails._length > 0) {
-        pacing_note_speaker(b, place);
+        pacing_note_speaker(&b->pacing, place, b->clock.now_ns);
     }
     for (uint32_t i = 0; i < act->mails._length; i++) {
         const muster_Mail *letter = &act->mails._buffer[i];
@@ -231,11 +238,11 @@ static void ack_take(struct broker *b, uint32_t place, const muster_Ack *ack)
         b->counters.malformed += b->processes.at[place].kind != PROCESS_BROKER;
         return;
     }
-    snapshots_heard(b, agent, place);
+    bearer_heard(b, agent, place);
     if (scope_is_inside(b->processes.at[place].scope)) {
         steps_keep_ack(&b->steps, agent, ack->number);
     } else {
-        settle_acknowledge(b, agent, ack->number);
+        outcome_acknowledge(b, agent, ack->number);
     }
 }
 
@@ -259,7 +266,8 @@ void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
     uint32_t place = validate_string(up->process, MU_PROCESS_MAX)
                          ? processes_find(&b->processes, up->process)
                          : MU_NONE;
-    enum steps_effect effect = place != MU_NONE ? steps_effect(b, place, up->step) : STEPS_IGNORED;
+    enum steps_effect effect =
+        place != MU_NONE ? steps_effect(&b->steps, place, up->step) : STEPS_IGNORED;
     if (!good || place == MU_NONE) {
         b->counters.malformed++;
         if (effect == STEPS_INSIDE) {

@@ -21,7 +21,7 @@ static void mails_committed(struct broker *b)
         next = m->journal_next;
         (void)mail_durable_on(m, DURABLE_COMMITS);
         if (m->unsettled > 0) {
-            settle_stored(b, m);
+            outcome_on_disk(b, m);
         }
         pool_release(&b->pool, m);
     }
@@ -63,7 +63,7 @@ static void mails_failed(struct broker *b)
         if (m->unsettled > 0) {
             journal_remove(j, m);
             m->row = 0;
-            m->letter.level == muster_LEVEL_RAM ? ram_leave(b, m) : settle_undo(b, m);
+            m->letter.level == muster_LEVEL_RAM ? ram_leave(b, m) : outcome_undo(b, m);
         }
         pool_release(&b->pool, m);
     }
@@ -96,7 +96,7 @@ void durable_committed(struct broker *b, bool ok, uint64_t now_ns)
     if (ok) {
         j->commits++;
         for (uint32_t i = 0; i < b->registry.count && failed_before; i++) {
-            residents_wake(&b->registry, &b->processes, i); /* more may be handed out */
+            processes_wake_agent(&b->registry, &b->processes, i); /* more may be handed out */
         }
         mails_committed(b);
         marks_clear(b);
@@ -126,7 +126,7 @@ static void agent_return(struct broker *b, uint32_t agent)
     a->since_wall_ns = b->clock.wall_ns;
     names_hold(b, agent);
     if (a->process == MU_NONE) {
-        settle_await(b, agent);
+        outcome_await(b, agent);
     }
     registry_touch(&b->registry, agent);
 }

@@ -38,8 +38,8 @@ static bool step_is_complete(const struct steps *l)
 
 static void residents_have_heard(struct broker *b, uint32_t place)
 {
-    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
-         agent = residents_next(&b->registry, &b->processes, agent)) {
+    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
+         agent = processes_next_agent(&b->registry, &b->processes, agent)) {
         receipts_heard(&b->receipts, agent);
     }
 }
@@ -60,10 +60,11 @@ void step_answered(struct broker *b, uint32_t place)
 static void place_enter(struct broker *b, uint32_t place)
 {
     steps_role_on(b, place, ROLE_JOINS);
-    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
-         agent = residents_next(&b->registry, &b->processes, agent)) {
+    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
+         agent = processes_next_agent(&b->registry, &b->processes, agent)) {
         mailbox_unwatch(&b->mailbox, agent);
-        residents_wake(&b->registry, &b->processes, agent); /* its mail may have waited for this */
+        processes_wake_agent(&b->registry, &b->processes,
+                             agent); /* its mail may have waited for this */
     }
 }
 
@@ -78,10 +79,10 @@ static void place_leave(struct broker *b, uint32_t place)
     }
     at->roll_call_due = at->roll_call_due || at->overruled;
     at->overruled = false;
-    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
-         agent = residents_next(&b->registry, &b->processes, agent)) {
+    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
+         agent = processes_next_agent(&b->registry, &b->processes, agent)) {
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
-        residents_wake(&b->registry, &b->processes, agent);
+        processes_wake_agent(&b->registry, &b->processes, agent);
         if (clock_by_steps(&b->clock)) { /* members that stay are not shown its services any more */
             notify_presence(b, agent);
         }
@@ -95,8 +96,8 @@ static void place_leave(struct broker *b, uint32_t place)
  * next life, that says it again, and hears of it then. */
 static void turns_drop(struct broker *b, uint32_t place)
 {
-    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
-         agent = residents_next(&b->registry, &b->processes, agent)) {
+    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
+         agent = processes_next_agent(&b->registry, &b->processes, agent)) {
         struct turn *turn = &b->steps.turns[agent];
         turn->has_ack = turn->has_state = false;
         struct mail *m = steps_pop(&turn->mails);
@@ -107,7 +108,7 @@ static void turns_drop(struct broker *b, uint32_t place)
             if (b->steps.held) {
                 (void)mail_told_on(m, TOLD_ENDS);
             }
-            settle_drop(b, m);
+            outcome_drop(b, m);
         }
     }
 }
@@ -124,8 +125,8 @@ static bool roster_names(const muster_Roster *roster, const struct process *at)
 
 static void residents_let_go(struct broker *b, uint32_t place)
 {
-    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
-         agent = residents_next(&b->registry, &b->processes, agent)) {
+    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
+         agent = processes_next_agent(&b->registry, &b->processes, agent)) {
         b->registry.agents[agent].let_go = true;
     }
 }
@@ -154,8 +155,8 @@ static void roster_shrink(struct broker *b, const muster_Roster *roster)
 /* The others have not been told of these agents while they were outside. */
 static void lines_tell(struct broker *b, uint32_t place)
 {
-    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
-         agent = residents_next(&b->registry, &b->processes, agent)) {
+    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
+         agent = processes_next_agent(&b->registry, &b->processes, agent)) {
         registry_touch(&b->registry, agent);
         notify_enter(b, agent);
     }
@@ -186,7 +187,7 @@ static void lockstep_hold(struct broker *b, bool held)
     steps_set_held(b, held);
     for (uint32_t agent = 0; ends && agent < b->registry.count; agent++) {
         if (!scope_is_inside(registry_scope(&b->registry, agent))) {
-            residents_wake(&b->registry, &b->processes, agent);
+            processes_wake_agent(&b->registry, &b->processes, agent);
         }
     }
 }
@@ -240,7 +241,7 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
     l->simulator = simulator;
     steps_role_on(b, simulator, ROLE_SIMULATES);
     roster_grow(b, roster, false);
-    settle_admit_due(b, clock_run_ns(&b->clock));
+    outcome_admit_due(b, clock_run_ns(&b->clock));
     l->version = l->start_version = b->registry.changes.version;
     for (uint32_t i = 0; i < l->roster_count; i++) {
         b->processes.at[l->roster[i]].version_had = 0; /* the whole pages, as of now */

@@ -10,7 +10,7 @@ static void acks_apply(struct broker *b)
         struct turn *turn = &b->steps.turns[agent];
         if (turn->has_ack) {
             turn->has_ack = false;
-            settle_acknowledge(b, agent, turn->ack);
+            outcome_acknowledge(b, agent, turn->ack);
         }
     }
 }
@@ -79,7 +79,7 @@ static void outside_apply(struct broker *b)
 void step_keep_replay(struct broker *b, struct mail *m)
 {
     if (b->replays.count == QUOTA_MAILS_MAX) {
-        settle_turn_away(b, m);
+        outcome_turn_away(b, m);
         return;
     }
     m->at_ns[TIMERS_DUE] = (uint64_t)m->letter.due_ns;
@@ -92,7 +92,7 @@ void step_drop_replays(struct broker *b)
 {
     for (struct mail *m; (m = timers_first(&b->replays));) {
         timers_remove(&b->replays, m);
-        settle_drop(b, m);
+        outcome_drop(b, m);
     }
 }
 
@@ -103,7 +103,7 @@ static void replays_keep(struct broker *b, uint64_t run_ns)
          m = timers_first(&b->replays)) {
         timers_remove(&b->replays, m);
         if (!steps_keep(b, m, true)) {
-            settle_turn_away(b, m);
+            outcome_turn_away(b, m);
         }
     }
 }
@@ -114,13 +114,13 @@ void step_apply(struct broker *b)
     replays_keep(b, clock_run_ns(&b->clock));
     steps_order_turns(b);
     acks_apply(b);
-    settle_expire(b, clock_mail_ns(&b->clock));
+    outcome_expire(b, clock_mail_ns(&b->clock));
     notify_expire(b, clock_mail_ns(&b->clock));
     states_apply(b);
     mails_apply(b);
     outside_apply(b);
     route_resolve_expire(b, clock_mail_ns(&b->clock));
     steps_close_turns(&b->steps);
-    settle_admit_due(b, clock_run_ns(&b->clock));
+    outcome_admit_due(b, clock_run_ns(&b->clock));
     clock_commit_end(&b->clock);
 }

@@ -21,9 +21,10 @@ static void resend_tick(struct broker *b)
     while (resend_deadline_ns(b) <= b->clock.now_ns) {
         uint32_t agent = mailbox_watched(&b->mailbox);
         mailbox_repeat(&b->mailbox, agent);
-        names_tell_number(b, agent); /* what said so may be what was lost */
+        names_tell_number(&b->registry, &b->processes,
+                          agent); /* what said so may be what was lost */
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
-        residents_wake(&b->registry, &b->processes, agent);
+        processes_wake_agent(&b->registry, &b->processes, agent);
     }
 }
 
@@ -35,15 +36,15 @@ void broker_tick(struct broker *b, uint64_t now_ns)
     outcome_tick(b);
     dispatch_tick(b);
     transfer_tick(b);
-    settle_tick(b);
+    outcome_await_tick(b);
     lifecycle_tick_routes(b);
     announce_tick(b);
     retire_tick(b);
     if (!clock_by_steps(&b->clock)) {
-        settle_expire(b, clock_mail_ns(&b->clock));
+        outcome_expire(b, clock_mail_ns(&b->clock));
         notify_expire(b, clock_mail_ns(&b->clock));
         route_resolve_expire(b, clock_mail_ns(&b->clock));
-        settle_admit_due(b, clock_run_ns(&b->clock));
+        outcome_admit_due(b, clock_run_ns(&b->clock));
     }
 }
 
@@ -82,7 +83,7 @@ uint64_t broker_deadline_ns(const struct broker *b)
                                  dispatch_deadline_ns(b),
                                  snapshots_deadline_ns(b),
                                  limiter_deadline_ns(&b->limiter),
-                                 settle_deadline_ns(b),
+                                 outcome_deadline_ns(b),
                                  remote_deadline_ns(b),
                                  announce_deadline_ns(b),
                                  retire_deadline_ns(b),

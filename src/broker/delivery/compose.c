@@ -48,10 +48,10 @@ static bool parcels_fill(struct broker *b, struct dispatch_part *part, struct di
         return true;
     }
     struct box *box = mailbox_box(&b->mailbox, agent);
-    enum mailbox_gate gate = names_gate(b, agent);
+    enum mailbox_gate gate = names_gate(&b->registry, &b->processes, agent);
     bool awake = is_awake(b);
     mailbox_hand_out(&b->mailbox, agent, awake || gate < GATE_URGENT ? gate : GATE_URGENT,
-                     journal_room(b, agent));
+                     journal_room(&b->journal, &b->mailbox, agent));
     uint64_t number = box->acked + box->written;
     uint32_t i = box->out;
     for (; i != MU_NONE && room->parcels > 0; i = mailbox_next(&b->mailbox, i)) {
@@ -229,9 +229,8 @@ static void parts_take(struct broker *b, uint32_t place)
 {
     struct dispatch *c = &b->dispatch;
     c->parts_count = 0;
-    uint32_t agent;
-    while (c->parts_count < DISPATCH_AGENTS &&
-           (agent = residents_pop(&b->registry, &b->processes, place)) != RESIDENTS_NONE) {
+    while (c->parts_count < DISPATCH_AGENTS && processes_agent_waits(&b->processes, place)) {
+        uint32_t agent = processes_pop_agent(&b->registry, &b->processes, place);
         c->parts[c->parts_count++] = (struct dispatch_part){.agent = agent};
     }
     mu_sort(c->parts, c->parts_count, sizeof c->parts[0], part_compare, &b->registry);
@@ -240,7 +239,9 @@ static void parts_take(struct broker *b, uint32_t place)
 static void parts_fill(struct broker *b, muster_Delivery *d)
 {
     struct dispatch *c = &b->dispatch;
-    struct dispatch_room room = {.parcels = pacing_room(b, c->open), .bytes = DISPATCH_BYTES};
+    bool flooded = pacing_is_due(&b->processes.at[c->open]) && pacing_is_flooded(b, c->open);
+    struct dispatch_room room = {.parcels = flooded ? PACING_MAILS : MU_WINDOW_MAX,
+                                 .bytes = DISPATCH_BYTES};
     for (uint32_t i = 0; i < c->parts_count; i++) {
         struct dispatch_part *part = &c->parts[i];
         if (is_paced(b)) { /* each box has its own room: none can starve another */
@@ -250,7 +251,8 @@ static void parts_fill(struct broker *b, muster_Delivery *d)
                                           .bytes = DISPATCH_BOX_BYTES};
         }
         part->passed_by = !parcels_fill(b, part, &room, d);
-        if (!scope_waits(registry_scope(&b->registry, part->agent))) {
+        bool some = receipts_count(&b->receipts, part->agent) > 0;
+        if (some && !scope_waits(registry_scope(&b->registry, part->agent))) {
             part->receipts = receipts_fill(b, part->agent, d);
             part->passed_by |= part->receipts < receipts_count(&b->receipts, part->agent);
         }
@@ -263,7 +265,7 @@ void compose_return_passed_by(struct broker *b)
     struct dispatch *c = &b->dispatch;
     for (uint32_t i = 0; i < c->parts_count; i++) {
         if (c->parts[i].passed_by) {
-            residents_wake(&b->registry, &b->processes, c->parts[i].agent);
+            processes_wake_agent(&b->registry, &b->processes, c->parts[i].agent);
         }
     }
 }
@@ -273,11 +275,11 @@ void compose_return(struct broker *b, bool taken)
     struct dispatch *c = &b->dispatch;
     compose_return_passed_by(b);
     for (uint32_t i = 0; !taken && i < c->parts_count; i++) {
-        residents_wake(&b->registry, &b->processes, c->parts[i].agent);
+        processes_wake_agent(&b->registry, &b->processes, c->parts[i].agent);
     }
     for (uint32_t i = 0; taken && i < c->parts_count; i++) {
         if (c->parts[i].parcels > 0) {
-            residents_wake(&b->registry, &b->processes, c->parts[i].agent);
+            processes_wake_agent(&b->registry, &b->processes, c->parts[i].agent);
         }
     }
     c->parts_count = 0;
@@ -287,7 +289,9 @@ bool compose_fill(struct broker *b, uint32_t place, muster_Delivery *d)
 {
     struct dispatch *c = &b->dispatch;
     struct process *at = &b->processes.at[place];
-    if (!steps_view(b, place, c->interval_ns, &c->view)) {
+    c->view = (struct steps_view){
+        .scope = at->scope, .step = muster_STEP_NOW, .version = b->registry.changes.version};
+    if (scope_is_paced(at->scope) && !steps_view(b, place, c->interval_ns, &c->view)) {
         return false;
     }
     c->open_version = c->view.version;

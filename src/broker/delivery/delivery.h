@@ -106,17 +106,37 @@ struct pacing {
     uint32_t head, count;
 };
 
-/** An agent of this place has sent mail. */
-void pacing_note_speaker(struct broker *b, uint32_t place);
+void pacing_bring_forward(struct pacing *f, uint32_t place);
 
-/** @return how many mails the next Delivery to a place may have */
-uint32_t pacing_room(const struct broker *b, uint32_t place);
+/** An agent of this place has sent mail. */
+static inline void pacing_note_speaker(struct pacing *f, uint32_t place, uint64_t now_ns)
+{
+    if (f->speakers[0].place != place) {
+        pacing_bring_forward(f, place);
+    }
+    f->speakers[0].spoke_ns = now_ns;
+}
+
+/** @return whether the last Delivery to a place may have been a part of a flood */
+static inline bool pacing_is_due(const struct process *at)
+{
+    return at->mails_had >= PACING_MANY;
+}
+
+/** @return whether it was, and disturbs others: then the next one has PACING_MAILS mails at most */
+bool pacing_is_flooded(const struct broker *b, uint32_t place);
 
 /** @return whether a place gets nothing now; it is woken later */
 bool pacing_hold(struct broker *b, uint32_t place);
 
 /** So many mails have gone out to a place; from: where the last of them came from, or MU_NONE */
-void pacing_note_delivery(struct broker *b, uint32_t place, uint32_t mails, uint32_t from);
+static inline void pacing_note_delivery(struct process *at, uint32_t mails, uint32_t from,
+                                        uint64_t now_ns)
+{
+    at->mails_had = mails;
+    at->flooded_from = from;
+    at->flooded_until_ns = now_ns + PACING_PAUSE_NS;
+}
 
 /** Wakes processes that were held long enough. */
 void pacing_tick(struct broker *b);

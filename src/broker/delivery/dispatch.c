@@ -24,9 +24,10 @@ static bool box_is_urgent(struct broker *b, uint32_t agent)
     if (box->out != MU_NONE || first == MU_NONE) {
         return box->out != MU_NONE;
     }
-    bool may_go = !mail_is_written(b->mailbox.posts[first].mail) || journal_room(b, agent) > 0;
+    bool may_go = !mail_is_written(b->mailbox.posts[first].mail) ||
+                  journal_room(&b->journal, &b->mailbox, agent) > 0;
     return may_go && box->lists[POST_FLIGHT].posts.count < MU_WINDOW_MAX + MAILBOX_RESERVE &&
-           names_gate(b, agent) != GATE_SHUT;
+           names_gate(&b->registry, &b->processes, agent) != GATE_SHUT;
 }
 
 /* What cannot wait: an answer to a registration, a directive, what goes out once more. */
@@ -36,11 +37,11 @@ static bool place_is_urgent(struct broker *b, uint32_t place)
     if (at->refusals_count > 0 || at->roll_call_due) {
         return true;
     }
-    for (uint32_t agent; (agent = residents_stirred(&b->processes, place)) != RESIDENTS_NONE;) {
+    for (uint32_t agent; (agent = processes_stirred_agent(&b->processes, place)) != MU_NONE;) {
         if (b->registry.agents[agent].verdict_due || box_is_urgent(b, agent)) {
             return true; /* it stays stirred until it is served */
         }
-        residents_calm(&b->registry, &b->processes, agent);
+        processes_calm_agent(&b->registry, &b->processes, agent);
     }
     return false;
 }
@@ -59,7 +60,8 @@ static bool place_hold(struct broker *b, uint32_t place)
 /* @return whether the process gets no more of a flood for now */
 static bool place_pause(struct broker *b, uint32_t place)
 {
-    bool may = b->clock.now_ns < b->processes.at[place].flooded_until_ns;
+    const struct process *at = &b->processes.at[place];
+    bool may = pacing_is_due(at) && b->clock.now_ns < at->flooded_until_ns;
     return may && !place_is_urgent(b, place) && pacing_hold(b, place);
 }
 
@@ -103,7 +105,7 @@ bool dispatch_next(struct broker *b, const char **process, muster_Delivery *d)
 {
     uint32_t place;
     dispatch_wake(b);
-    if (multicast_next(b, d)) {
+    if (b->multicast.count > 0 && multicast_next(b, d)) {
         b->dispatch.open = PROCESSES_ALL;
         b->dispatch.view = (struct steps_view){0};
         b->dispatch.open_delay_ns = 0;
@@ -116,7 +118,8 @@ bool dispatch_next(struct broker *b, const char **process, muster_Delivery *d)
             continue;
         }
         b->dispatch.open = place;
-        if (compose_fill_word(b, place, d)) {
+        bool some_words = b->snapshots.words_count + b->probes.words_count > 0;
+        if (some_words && compose_fill_word(b, place, d)) {
             *process = at->name;
             return true;
         }
@@ -155,20 +158,20 @@ static void part_delivered(struct broker *b, const struct dispatch_part *part)
     /* In a run, the next life of its process hears them again if this one dies before it answers.
      */
     bool is_kept = scope_is_inside(b->dispatch.view.scope);
-    (is_kept ? receipts_tell : receipts_drop)(&b->receipts, part->agent, part->receipts);
+    if (is_kept) {
+        receipts_tell(&b->receipts, part->agent, part->receipts);
+    } else if (part->receipts > 0) {
+        receipts_drop(&b->receipts, part->agent, part->receipts);
+    }
     if (part->verdict) {
         b->registry.agents[part->agent].verdict_due = false;
     }
     if (!mailbox_is_begun(&b->mailbox, part->agent)) {
         return;
     }
-    uint32_t again = mailbox_mark_written(&b->mailbox, part->agent, part->parcels);
-    b->counters.resent += again;
-    mailbox_take_back(&b->mailbox, part->agent);
-    bool watched = mu_list_has(MU_LINKS(b->mailbox.boxes, watch), part->agent);
-    if (!scope_is_paced(b->dispatch.view.scope) && part->parcels > 0 && (again > 0 || !watched)) {
-        mailbox_watch(&b->mailbox, part->agent, b->clock.now_ns);
-    }
+    bool paced = scope_is_paced(b->dispatch.view.scope);
+    b->counters.resent += mailbox_mark_written(&b->mailbox, part->agent, part->parcels,
+                                               paced ? MAILBOX_UNWATCHED : b->clock.now_ns);
 }
 
 static void delivery_count(struct dispatch *c, uint32_t parcels)
@@ -205,11 +208,11 @@ void dispatch_delivered(struct broker *b)
     }
     compose_return(b, true);
     delivery_count(c, parcels);
-    pacing_note_delivery(b, c->open, parcels, from);
+    pacing_note_delivery(at, parcels, from, b->clock.now_ns);
     at->serial++;
     at->refusals_count = 0;
     at->roll_call_due = false;
-    view_delivered(b, at);
+    view_delivered(&b->pages, at);
     if (c->open_version > at->version_had) {
         at->version_had = c->open_version;
     }

@@ -12,8 +12,7 @@ void multicast_read_by(struct broker *b, uint32_t readers)
 void multicast_note(struct broker *b, struct mail *m)
 {
     struct multicast *c = &b->multicast;
-    bool may = m->letter.level == muster_LEVEL_RAM && m->unsettled >= MULTICAST_PLACES_MIN &&
-               b->dispatch.interval_ns == 0 &&
+    bool may = m->letter.level == muster_LEVEL_RAM && b->dispatch.interval_ns == 0 &&
                !scope_is_inside(registry_scope(&b->registry, m->sender));
     if (may && b->processes.hearers >= MULTICAST_PLACES_MIN && c->count < MULTICAST_WAITING) {
         pool_keep(m);
@@ -53,8 +52,8 @@ static bool post_is_ready(struct broker *b, uint32_t post)
     uint32_t agent = b->mailbox.posts[post].agent;
     const struct agent *a = &b->registry.agents[agent];
     return a->process != MU_NONE && place_is_ready(b, &b->processes.at[a->process]) && a->seated &&
-           !a->verdict_due && names_gate(b, agent) == GATE_OPEN && !scope_waits(a->scope) &&
-           mailbox_box(&b->mailbox, agent)->out == MU_NONE &&
+           !a->verdict_due && names_gate(&b->registry, &b->processes, agent) == GATE_OPEN &&
+           !scope_waits(a->scope) && mailbox_box(&b->mailbox, agent)->out == MU_NONE &&
            mailbox_next_is(&b->mailbox, agent, b->mailbox.posts[post].mail);
 }
 
@@ -194,11 +193,9 @@ uint32_t multicast_sent(struct broker *b)
     struct multicast *c = &b->multicast;
     for (uint32_t i = 0; i < c->boxes_count; i++) {
         uint32_t agent = c->boxes[i].agent;
-        uint32_t again = mailbox_mark_written(&b->mailbox, agent, c->letters_count);
+        uint32_t again =
+            mailbox_mark_written(&b->mailbox, agent, c->letters_count, b->clock.now_ns);
         MU_ASSERT(again == 0);
-        if (!mu_list_has(MU_LINKS(b->mailbox.boxes, watch), agent)) {
-            mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
-        }
         b->processes.at[c->boxes[i].place].serial = c->serials[i];
     }
     waiting_drop(b, c->letters_count);

@@ -3,9 +3,9 @@
 
 #include "broker/control/parts.h"
 
-void pacing_note_speaker(struct broker *b, uint32_t place)
+void pacing_bring_forward(struct pacing *f, uint32_t place)
 {
-    struct pacing_speaker *s = b->pacing.speakers;
+    struct pacing_speaker *s = f->speakers;
     uint32_t i = 0;
     while (i < PACING_SPEAKERS - 1 && (s[i].place != place || s[i].spoke_ns == 0)) {
         i++;
@@ -13,7 +13,7 @@ void pacing_note_speaker(struct broker *b, uint32_t place)
     for (; i > 0; i--) {
         s[i] = s[i - 1];
     }
-    s[0] = (struct pacing_speaker){.place = place, .spoke_ns = b->clock.now_ns};
+    s[0].place = place;
 }
 
 /* @return whether any process but the two ends of a flood has mail under way */
@@ -28,36 +28,23 @@ static bool disturbs(const struct broker *b, uint32_t place)
     return found;
 }
 
-static bool is_flooded(const struct broker *b, uint32_t place)
+bool pacing_is_flooded(const struct broker *b, uint32_t place)
 {
     const struct process *at = &b->processes.at[place];
     bool is_one = !scope_is_paced(at->scope) && at->kind != PROCESS_BROKER;
-    return at->mails_had >= PACING_MANY && is_one && disturbs(b, place);
-}
-
-uint32_t pacing_room(const struct broker *b, uint32_t place)
-{
-    return is_flooded(b, place) ? PACING_MAILS : MU_WINDOW_MAX;
+    return is_one && disturbs(b, place);
 }
 
 bool pacing_hold(struct broker *b, uint32_t place)
 {
     struct pacing *f = &b->pacing;
     struct process *at = &b->processes.at[place];
-    bool holds = b->clock.now_ns < at->flooded_until_ns && is_flooded(b, place);
+    bool holds = pacing_is_flooded(b, place);
     if (holds && at->flood_wake_ns == 0) {
         at->flood_wake_ns = at->flooded_until_ns;
         f->ring[(f->head + f->count++) % MU_PROCESSES_MAX] = place;
     }
     return holds;
-}
-
-void pacing_note_delivery(struct broker *b, uint32_t place, uint32_t mails, uint32_t from)
-{
-    struct process *at = &b->processes.at[place];
-    at->mails_had = mails;
-    at->flooded_from = from;
-    at->flooded_until_ns = b->clock.now_ns + PACING_PAUSE_NS;
 }
 
 void pacing_tick(struct broker *b)

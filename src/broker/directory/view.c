@@ -155,12 +155,6 @@ bool view_has_told(const struct broker *b, const struct process *at)
            changelog_after(&p->services.changes, at->services_had) == MU_NONE;
 }
 
-void view_delivered(struct broker *b, struct process *at)
-{
-    at->groups_had = b->pages.groups.open;
-    at->services_had = b->pages.services.open;
-}
-
 uint32_t view_resolver(const struct broker *b, const char *dst)
 {
     char text[MU_QUERY_MAX + 1];

@@ -3,7 +3,7 @@
 
 #include "broker/control/parts.h"
 
-bool deliver_book(struct broker *b, struct mail *m, struct recipients *to)
+static bool mail_book(struct broker *b, struct mail *m, struct recipients *to)
 {
     to->veiled = 0;
     for (uint32_t i = 0; i < to->count; i++) {
@@ -38,7 +38,7 @@ static bool post_put(struct broker *b, struct mail *m, uint32_t agent, bool held
 {
     uint32_t victim = MU_NONE;
     if (!mailbox_is_begun(&b->mailbox, agent)) {
-        names_tell_number(b, agent);
+        names_tell_number(&b->registry, &b->processes, agent);
     }
     enum mailbox_room room = mailbox_room_ask(&b->mailbox, agent, m, &victim);
     for (; room == MAILBOX_ROOM_DROP; room = mailbox_room_ask(&b->mailbox, agent, m, &victim)) {
@@ -53,7 +53,7 @@ static bool post_put(struct broker *b, struct mail *m, uint32_t agent, bool held
     if (recipients_veils(&b->registry, m, agent)) {
         mailbox_veil(&b->mailbox, m);
     }
-    residents_wake(&b->registry, &b->processes, agent);
+    processes_wake_agent(&b->registry, &b->processes, agent);
     return true;
 }
 
@@ -104,31 +104,38 @@ static void sender_answer(struct broker *b, struct mail *m, const struct recipie
     }
 }
 
-struct delivered deliver_put(struct broker *b, struct mail *m, const struct recipients *to)
+bool deliver_put(struct broker *b, struct mail *m, struct recipients *to, struct delivered *done)
 {
-    struct delivered done = {.held = deliver_is_held(b, m), .fits = true};
-    done.stored = done.held;
+    if (!mail_book(b, m, to)) {
+        return false;
+    }
+    bool held = deliver_is_held(b, m);
+    *done = (struct delivered){.fits = true, .stored = held};
     enum mailbox_gate needs = m->letter.layer == 0 ? GATE_URGENT : GATE_OPEN;
     for (uint32_t i = 0; i < to->count; i++) {
         uint32_t agent = to->agents[i];
         if (registry_is_own(agent)) {
             continue;
         }
-        if (!post_put(b, m, agent, done.held)) {
-            done.fits = done.fits && recipients_veils(&b->registry, m, agent);
+        if (!post_put(b, m, agent, held)) {
+            done->fits = done->fits && recipients_veils(&b->registry, m, agent);
         } else {
-            done.stored = done.stored || names_gate(b, agent) < needs;
+            done->stored = done->stored || names_gate(&b->registry, &b->processes, agent) < needs;
         }
     }
-    ledger_settle(b, m);
+    if (m->unsettled < to->count || m->unsettled == 0 || to->veiled > 0) {
+        ledger_settle(b, m); /* it is in fewer boxes than were booked, or on both accounts */
+    }
     pool_keep(m); /* what a desk answers may drop it from all boxes again */
     if (m->unsettled == 0) {
         pool_release(&b->pool, m);
     } else {
-        deliver_schedule(b, m, done.held, m->letter.ttl_ns);
-        journal_put(b, m);
+        deliver_schedule(b, m, held, m->letter.ttl_ns);
+        if (b->journal.on) {
+            journal_put(b, m);
+        }
     }
-    return done;
+    return true;
 }
 
 void deliver_conclude(struct broker *b, struct mail *m, const struct recipients *to,
@@ -154,8 +161,8 @@ void deliver_send(struct broker *b, uint32_t receiver, const muster_Mail *letter
     m->sender = REGISTRY_BROKER;
     m->payer = receiver; /* an agent that asks much must not use up what answers to others need */
     m->order = ++b->orders;
-    if (deliver_book(b, m, &to)) {
-        struct delivered done = deliver_put(b, m, &to);
+    struct delivered done;
+    if (deliver_put(b, m, &to, &done)) {
         deliver_conclude(b, m, &to, &done);
     }
 }

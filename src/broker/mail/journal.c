@@ -37,9 +37,9 @@ static struct mail **bucket_of(const struct journal *j, uint32_t sender, uint64_
     return &j->buckets[(where + seq % BUCKETS_RUN) % JOURNAL_BUCKETS];
 }
 
-struct mail *journal_find(const struct journal *j, uint32_t sender, uint64_t seq)
+struct mail *journal_look(const struct journal *j, uint32_t sender, uint64_t seq)
 {
-    struct mail *m = j->on ? *bucket_of(j, sender, seq) : NULL;
+    struct mail *m = *bucket_of(j, sender, seq);
     while (m && (m->sender != sender || m->letter.seq != seq)) {
         m = m->journal_same;
     }
@@ -130,8 +130,8 @@ void journal_put(struct broker *b, struct mail *m)
 {
     struct agent *a = &b->registry.agents[m->sender];
     bool is_ram = m->letter.level == muster_LEVEL_RAM;
-    if (is_ram || !b->journal.on) {
-        a->ram_behind = a->ram_behind || (is_ram && m->letter.hops == 0);
+    if (is_ram) {
+        a->ram_behind = a->ram_behind || m->letter.hops == 0;
         return;
     }
     /* What came by another broker says nothing of what the sender has sent here. */
@@ -147,12 +147,9 @@ void journal_put(struct broker *b, struct mail *m)
     }
 }
 
-void journal_acknowledged(struct broker *b, uint32_t agent, const struct mail *m)
+void journal_acknowledged(struct broker *b, uint32_t agent)
 {
     struct box *box = mailbox_box(&b->mailbox, agent);
-    if (!mail_is_written(m)) {
-        return;
-    }
     if (box->unsaved_commits != b->journal.commits) {
         box->unsaved_commits = b->journal.commits;
         box->unsaved = 0;
@@ -160,16 +157,13 @@ void journal_acknowledged(struct broker *b, uint32_t agent, const struct mail *m
     box->unsaved++;
 }
 
-uint32_t journal_room(const struct broker *b, uint32_t agent)
+uint32_t journal_room_left(const struct journal *j, const struct mailbox *m, uint32_t agent)
 {
-    const struct box *box = &b->mailbox.boxes[agent];
-    if (!b->journal.failing) {
-        return UINT32_MAX;
-    }
-    uint32_t may_come_again = box->unsaved_commits == b->journal.commits ? box->unsaved : 0;
+    const struct box *box = &m->boxes[agent];
+    uint32_t may_come_again = box->unsaved_commits == j->commits ? box->unsaved : 0;
     for (uint32_t post = mu_list_first(&box->lists[POST_FLIGHT].posts); post != MU_NONE;
-         post = mailbox_next(&b->mailbox, post)) {
-        may_come_again += mail_is_written(b->mailbox.posts[post].mail);
+         post = mailbox_next(m, post)) {
+        may_come_again += mail_is_written(m->posts[post].mail);
     }
     return may_come_again < MU_WINDOW_MAX ? MU_WINDOW_MAX - may_come_again : 0;
 }
@@ -188,9 +182,6 @@ void journal_failed(struct broker *b, uint32_t sender, const muster_Mail *letter
 
 void journal_settled(struct broker *b, struct mail *m)
 {
-    if (m->row == 0) {
-        return;
-    }
     mail_mark(&b->journal, m);
     if (m->unsettled == 0) {
         journal_remove(&b->journal, m);

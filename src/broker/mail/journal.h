@@ -122,8 +122,10 @@ bool journal_takes(const struct broker *b);
  * before, and still waits; other mail is passed over. */
 void journal_put(struct broker *b, struct mail *m);
 
-/** An agent has acknowledged a mail. */
-void journal_acknowledged(struct broker *b, uint32_t agent, const struct mail *m);
+/** An agent has acknowledged a mail that is on disk. */
+void journal_acknowledged(struct broker *b, uint32_t agent);
+
+uint32_t journal_room_left(const struct journal *j, const struct mailbox *m, uint32_t agent);
 
 /**
  * A receiver need not remember more than a window of mails that may come again, so no more go out
@@ -131,14 +133,18 @@ void journal_acknowledged(struct broker *b, uint32_t agent, const struct mail *m
  *
  * @return how many mails of the store the agent may be handed now
  */
-uint32_t journal_room(const struct broker *b, uint32_t agent);
+static inline uint32_t journal_room(const struct journal *j, const struct mailbox *m,
+                                    uint32_t agent)
+{
+    return j->failing ? journal_room_left(j, m, agent) : UINT32_MAX;
+}
 
 /** A mail was not delivered, whether it stood in boxes or not: later lives do not say that it was.
  */
 void journal_failed(struct broker *b, uint32_t sender, const muster_Mail *letter);
 
-/** A receiver is through with a mail: m->unsettled says how many are not.  Call before the last
- *  use of it ends. */
+/** A receiver is through with a durable mail: m->unsettled says how many are not.  Call before the
+ * last use of it ends. */
 void journal_settled(struct broker *b, struct mail *m);
 
 /** A name is there, or its kind has changed. */
@@ -153,8 +159,13 @@ void journal_seq(struct broker *b, uint32_t agent);
 /** A durable mail that is on disk can be found. */
 void journal_enter(struct journal *j, struct mail *m);
 
+struct mail *journal_look(const struct journal *j, uint32_t sender, uint64_t seq);
+
 /** @return a durable mail that waits, or NULL */
-struct mail *journal_find(const struct journal *j, uint32_t sender, uint64_t seq);
+static inline struct mail *journal_find(const struct journal *j, uint32_t sender, uint64_t seq)
+{
+    return j->on ? journal_look(j, sender, seq) : NULL;
+}
 
 /** @return the groups or the services */
 struct lines *journal_table(struct broker *b, enum lines_kind lines);

@@ -2,6 +2,78 @@
 #include "broker/mail/mail.h"
 
 #include "broker/control/parts.h"
+#include "muster/memory.h"
+
+/* What is within a sender's share of the store, however full that is. */
+static const struct quota_use store_floor = {.mails = 64, .bytes = 64 * 1024, .posts = 1024};
+
+/* One in so many places of the store is for directives alone. */
+enum { RESERVE_PART = 64 };
+
+void ledger_init(struct quota_accounts *a, uint32_t agents)
+{
+    *a = (struct quota_accounts){0};
+    for (int side = 0; side < QUOTA_SIDES; side++) {
+        a->senders[side] = mu_startup_array(agents, sizeof(struct quota_use));
+    }
+}
+
+static void use_shrink(struct quota_use *use, uint32_t part)
+{
+    use->mails -= use->mails / part;
+    use->bytes -= use->bytes / part;
+    use->posts -= use->posts / part;
+}
+
+static struct quota_use side_most(enum quota_side side, bool halved)
+{
+    struct quota_use most = {
+        .mails = MU_MAILS_MAX, .bytes = MU_MAIL_BYTES_MAX, .posts = MU_POSTS_MAX};
+    if (halved || side == QUOTA_INSIDE) {
+        use_shrink(&most, 2);
+    }
+    return most;
+}
+
+/* Books a mail on its sender's account, if that may be.
+ * @param halved  both sides are in use, and have one half of the store each: the run never has more
+ * @param urgent  a directive: it has no share, and a reserve that no other mail can take */
+static enum quota_answer account_book(struct quota_accounts *a, enum quota_side side,
+                                      uint32_t sender, const struct quota_use *want, bool halved,
+                                      bool urgent)
+{
+    static const struct quota_use nothing;
+    struct quota_use *own = &a->senders[side][sender];
+    struct quota_use most = side_most(side, halved);
+    if (!urgent) {
+        use_shrink(&most, RESERVE_PART);
+    }
+    enum quota_answer answer =
+        quota_ask(urgent ? &nothing : own, &a->all[side], want, &most, &store_floor);
+    if (answer == QUOTA_FITS) {
+        quota_add(own, want);
+        quota_add(&a->all[side], want);
+    }
+    return answer;
+}
+
+/* Books a mail that had its room in an earlier life, on whichever account has room for it.
+ * @param side  out: that account
+ * @return false: neither has */
+static bool account_restore(struct quota_accounts *a, enum quota_side *side, uint32_t sender,
+                            const struct quota_use *want)
+{
+    static const struct quota_use nothing;
+    for (*side = QUOTA_OUTSIDE; *side < QUOTA_SIDES; (*side)++) {
+        struct quota_use most = side_most(*side, false);
+        if (quota_ask(&nothing, &a->all[*side], want, &most, &store_floor) == QUOTA_FITS) {
+            quota_add(&a->senders[*side][sender], want);
+            quota_add(&a->all[*side], want);
+            return true;
+        }
+    }
+    return false;
+}
 
 void ledger_alert(struct broker *b, enum alert_kind kind, uint32_t agent, uint32_t sender)
 {
@@ -22,8 +94,8 @@ static bool account_take(struct broker *b, struct mail *m, enum quota_side side,
                          struct quota_use *booked)
 {
     struct quota_use want = {.mails = 1, .bytes = pool_bytes(m), .posts = posts};
-    enum quota_answer why = quota_book(&b->quotas, side, m->payer, &want, clock_by_steps(&b->clock),
-                                       m->letter.layer == 0);
+    enum quota_answer why = account_book(&b->quotas, side, m->payer, &want,
+                                         clock_by_steps(&b->clock), m->letter.layer == 0);
     if (why != QUOTA_FITS) {
         ledger_refused(b, m, REGISTRY_BROKER, why, posts);
         return false;
@@ -47,7 +119,7 @@ bool ledger_restore(struct broker *b, struct mail *m, uint32_t posts)
 {
     enum quota_side side;
     m->booked = (struct quota_use){.mails = 1, .bytes = pool_bytes(m), .posts = posts};
-    bool fits = quota_restore(&b->quotas, &side, m->payer, &m->booked);
+    bool fits = account_restore(&b->quotas, &side, m->payer, &m->booked);
     m->side = (uint8_t)side;
     if (!fits) {
         m->booked = (struct quota_use){0};
@@ -64,7 +136,8 @@ static void account_give_back(struct broker *b, const struct mail *m, enum quota
         less = (struct quota_use){.posts = booked->posts - left};
     }
     quota_subtract(booked, &less);
-    quota_unbook(&b->quotas, side, m->payer, &less);
+    quota_subtract(&b->quotas.senders[side][m->payer], &less);
+    quota_subtract(&b->quotas.all[side], &less);
 }
 
 void ledger_settle(struct broker *b, struct mail *m)

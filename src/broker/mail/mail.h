@@ -11,6 +11,7 @@
 #include "broker/mail/probes.h"
 #include "broker/mail/snapshots.h"
 #include "bus/bus.h"
+#include "core/address.h"
 #include "core/text.h"
 #include "wire.h"
 
@@ -46,7 +47,7 @@ struct recipients {
     uint32_t count;
     uint32_t unknown; /* names that no agent ever had */
     uint32_t refused; /* agents that the sender may not direct: not among these */
-    uint32_t veiled;  /* those outside the run that the sender is in; set by deliver_book */
+    uint32_t veiled;  /* those outside the run that the sender is in; set by deliver_put */
 };
 
 /**
@@ -94,6 +95,8 @@ uint32_t recipients_named(const struct broker *b, const struct mail *question);
 bool recipients_has_member_change(const struct broker *b, const struct mail *question);
 
 /* --- ledger.c -------------------------------------------------------------------------------- */
+
+void ledger_init(struct quota_accounts *a, uint32_t agents);
 
 /*
  * What mail takes of the store is booked on its sender's account, and what is refused is counted
@@ -151,59 +154,54 @@ void outcome_settle(struct broker *b, struct mail *m);
 /** Tells senders that pressed what became of their mail, when it is time. */
 void outcome_tick(struct broker *b);
 
-/* --- settle.c -------------------------------------------------------------------------------- */
-
 /** Refuses an admitted mail for which a step has no more room. */
-void settle_turn_away(struct broker *b, struct mail *m);
+void outcome_turn_away(struct broker *b, struct mail *m);
 
 /** Drops an admitted mail that is not to take effect; its sender is told. */
-void settle_drop(struct broker *b, struct mail *m);
+void outcome_drop(struct broker *b, struct mail *m);
 
 /** A durable mail is on disk: its sender is told, if that is to be told. */
-void settle_stored(struct broker *b, struct mail *m);
+void outcome_on_disk(struct broker *b, struct mail *m);
 
 /** A durable mail that cannot be on disk leaves all boxes; nothing of it has gone out. */
-void settle_undo(struct broker *b, struct mail *m);
+void outcome_undo(struct broker *b, struct mail *m);
 
 /** The agent has taken everything up to that number. */
-void settle_acknowledge(struct broker *b, uint32_t agent, uint64_t number);
+void outcome_acknowledge(struct broker *b, uint32_t agent, uint64_t number);
 
 /** Admits mail that is due at this time of the run. */
-void settle_admit_due(struct broker *b, uint64_t run_ns);
+void outcome_admit_due(struct broker *b, uint64_t run_ns);
 
 /** Ends the wait of mail whose time to live is over. */
-void settle_expire(struct broker *b, uint64_t mail_ns);
+void outcome_expire(struct broker *b, uint64_t mail_ns);
 
 /** An agent has gone without a word: its receipts are kept until it is back, or for 10 s. */
-void settle_await(struct broker *b, uint32_t agent);
+void outcome_await(struct broker *b, uint32_t agent);
 
 /** An agent that has not come back by now is not awaited any more. */
-void settle_tick(struct broker *b);
+void outcome_await_tick(struct broker *b);
 
-/** @return when settle_tick, or a failed commit, is due, or UINT64_MAX */
-uint64_t settle_deadline_ns(const struct broker *b);
+/** @return when outcome_await_tick, or a failed commit, is due, or UINT64_MAX */
+uint64_t outcome_deadline_ns(const struct broker *b);
 
 /* --- deliver.c ------------------------------------------------------------------------------- */
 
 /* A mail whose receivers are known goes into their boxes, as far as there is room for it. */
 
-/**
- * Books a mail on its sender's account with the store.  Where there is no room for those outside
- * the run that the sender is in, they are taken out of the audience.
- *
- * @return false: refused, counted, told, and freed
- */
-bool deliver_book(struct broker *b, struct mail *m, struct recipients *to);
-
 /* How a mail got into its boxes. */
 struct delivered {
-    bool held;   /* until a time of the run */
     bool fits;   /* into each box that its sender may know of */
     bool stored; /* some of its receivers do not take mail now */
 };
 
-/** Puts a booked mail into every box; keeps one use of it for deliver_conclude. */
-struct delivered deliver_put(struct broker *b, struct mail *m, const struct recipients *to);
+/**
+ * Books a mail on its sender's account with the store, and puts it into every box; keeps one use of
+ * it for deliver_conclude.  Where there is no room for those outside the run that the sender is in,
+ * they are taken out of the audience.
+ *
+ * @return false: refused, counted, told, and freed
+ */
+bool deliver_put(struct broker *b, struct mail *m, struct recipients *to, struct delivered *done);
 
 /** Tells the sender what became of it at once, and gives back the use that deliver_put kept. */
 void deliver_conclude(struct broker *b, struct mail *m, const struct recipients *to,
@@ -302,6 +300,15 @@ enum resolve_need {
     RESOLVE_FULL,    /* it would have to wait, and there is no room */
 };
 
+/** @return whether a mail is for no address, and follows none that waits */
+static inline bool resolve_is_plain(const struct resolve *r, const struct mail *m)
+{
+    bool was_asked = m->only != MU_NONE; /* by the broker that it came from */
+    return was_asked ||
+           (r->queues[m->sender].count == 0 && mu_address_kind(m->letter.dst) != MU_ADDRESS_SCHEME);
+}
+
+/** @param m  one that is not plain */
 enum resolve_need resolve_needs(const struct broker *b, const struct mail *m);
 
 /** Keeps a mail that has to wait, booked with one place, and asks if it is the one to resolve. */

@@ -20,7 +20,7 @@ void outcome_tell(struct broker *b, uint32_t sender, uint64_t first_seq, uint64_
     }
     receipts_add(&b->receipts, sender, first_seq, last_seq, result);
     if (a->process != MU_NONE && !news_can_wait(b, sender, result)) {
-        residents_wake(&b->registry, &b->processes, sender);
+        processes_wake_agent(&b->registry, &b->processes, sender);
     }
 }
 
@@ -28,7 +28,7 @@ void outcome_tick(struct broker *b)
 {
     uint32_t agent;
     while ((agent = limiter_next(&b->limiter, b->clock.now_ns)) != MU_NONE) {
-        residents_wake(&b->registry, &b->processes, agent);
+        processes_wake_agent(&b->registry, &b->processes, agent);
     }
 }
 
@@ -69,20 +69,188 @@ static void answer_settled(struct broker *b, struct mail *m)
     }
 }
 
-/* --- one receiver less ------------------------------------------------------------------------ */
-
 void outcome_settle(struct broker *b, struct mail *m)
 {
     b->counters.waiting--;
     MU_ASSERT(m->unsettled > 0);
     m->unsettled--;
     ledger_settle(b, m);
-    journal_settled(b, m);
+    if (m->row > 0) {
+        journal_settled(b, m);
+    }
     if (m->unsettled == 0) {
         timers_remove(&b->due, m);
         timers_remove(&b->expiry, m);
         arrivals_remove(&b->arrivals, m);
         answer_settled(b, m);
         pool_release(&b->pool, m);
+    }
+}
+
+/* --- no room, or no receiver ---------------------------------------------------------------- */
+
+/* Counts the agents that a mail does not reach. */
+static void receivers_count(struct broker *b, const struct mail *m, struct recipients *to)
+{
+    recipients_of_mail(b, m, to);
+    b->counters.sent += to->count + to->unknown;
+    b->counters.unknown_name += to->unknown;
+}
+
+void outcome_turn_away(struct broker *b, struct mail *m)
+{
+    struct recipients to;
+    receivers_count(b, m, &to);
+    ledger_refused(b, m, REGISTRY_BROKER, QUOTA_OVER, to.count);
+    outcome_refuse(b, m, to.unknown, muster_OUTCOME_BOX_FULL);
+}
+
+void outcome_drop(struct broker *b, struct mail *m)
+{
+    struct recipients to;
+    receivers_count(b, m, &to);
+    b->counters.dropped += to.count;
+    outcome_refuse(b, m, 0, muster_OUTCOME_DROPPED);
+}
+
+void outcome_admit_due(struct broker *b, uint64_t run_ns)
+{
+    struct mail *m;
+    while (b->clock.runs && (m = timers_first(&b->due)) && m->at_ns[TIMERS_DUE] <= run_ns) {
+        timers_remove(&b->due, m);
+        for (uint32_t post = mu_list_first(&m->posts); post != MU_NONE;
+             post = mailbox_sibling(&b->mailbox, post)) {
+            mailbox_admit(&b->mailbox, post);
+            processes_wake_agent(&b->registry, &b->processes, b->mailbox.posts[post].agent);
+        }
+    }
+}
+
+/* --- its end ---------------------------------------------------------------------------------- */
+
+void outcome_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
+{
+    if (!mailbox_number_valid(&b->mailbox, agent, number)) {
+        b->counters.malformed++;
+        return;
+    }
+    if (!mailbox_is_begun(&b->mailbox, agent)) {
+        return;
+    }
+    struct box *box = mailbox_box(&b->mailbox, agent);
+    if (number <= box->acked) {
+        return;
+    }
+    bool beyond = names_is_beyond(&b->registry, &b->processes, agent);
+    names_confirm(&b->registry, agent, number);
+    while (box->acked < number) {
+        struct mail *m = mailbox_pop(&b->mailbox, agent);
+        if (mail_is_written(m)) {
+            journal_acknowledged(b, agent);
+        }
+        if (beyond) {
+            mail_fate_on(m, FATE_PASSES);
+            b->federation.count.passed_on++;
+        } else {
+            b->counters.delivered++;
+        }
+        outcome_settle(b, m);
+    }
+    bool flies = box->lists[POST_FLIGHT].posts.count > 0;
+    if (flies && !scope_is_paced(registry_scope(&b->registry, agent))) {
+        mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
+    }
+    processes_wake_agent(&b->registry, &b->processes, agent);
+}
+
+void outcome_expire(struct broker *b, uint64_t mail_ns)
+{
+    struct mail *m;
+    while ((m = timers_first(&b->expiry)) && m->at_ns[TIMERS_EXPIRY] <= mail_ns) {
+        timers_remove(&b->expiry, m);
+        uint32_t next = MU_NONE;
+        pool_keep(m);
+        for (uint32_t post = mu_list_first(&m->posts); post != MU_NONE; post = next) {
+            next = mailbox_sibling(&b->mailbox, post);
+            if (b->mailbox.posts[post].list != POST_FLIGHT) {
+                mailbox_withdraw(&b->mailbox, post);
+                b->counters.expired++;
+                mail_fate_on(m, FATE_EXPIRES);
+                outcome_settle(b, m);
+            }
+        }
+        pool_release(&b->pool, m);
+    }
+}
+
+void outcome_on_disk(struct broker *b, struct mail *m)
+{
+    if (m->tell_stored && m->stored_ends_it) {
+        outcome_end(b, m, muster_OUTCOME_STORED);
+    } else if (m->tell_stored) {
+        outcome_stored(b, m);
+    }
+    m->tell_stored = false;
+}
+
+void outcome_undo(struct broker *b, struct mail *m)
+{
+    uint32_t next = MU_NONE;
+    for (uint32_t post = mu_list_first(&m->posts); post != MU_NONE; post = next) {
+        next = mailbox_sibling(&b->mailbox, post);
+        mailbox_withdraw(&b->mailbox, post);
+        b->counters.waiting--;
+        b->counters.no_store++;
+        m->unsettled--;
+        ledger_settle(b, m);
+    }
+    MU_ASSERT(m->unsettled == 0);
+    timers_remove(&b->due, m);
+    timers_remove(&b->expiry, m);
+    arrivals_remove(&b->arrivals, m);
+    outcome_end(b, m, muster_OUTCOME_NO_STORE);
+    pool_release(&b->pool, m);
+}
+
+/* So long the broker keeps receipts for senders of an earlier life of it, and for those that have
+ * fallen silent: they may come back. */
+static const uint64_t AWAIT_NS = 10000000000;
+
+uint64_t outcome_deadline_ns(const struct broker *b)
+{
+    uint64_t retry_ns = b->journal.failing ? b->journal.retry_ns : UINT64_MAX;
+    return b->journal.awaits && b->journal.awaits_ns < retry_ns ? b->journal.awaits_ns : retry_ns;
+}
+
+static void await_until(struct journal *j, uint64_t until_ns)
+{
+    j->awaits_ns = j->awaits && j->awaits_ns < until_ns ? j->awaits_ns : until_ns;
+    j->awaits = true;
+}
+
+void outcome_await(struct broker *b, uint32_t agent)
+{
+    b->registry.agents[agent].awaited = true;
+    if (b->clock.now_ns <= UINT64_MAX - AWAIT_NS) {
+        await_until(&b->journal, b->clock.now_ns + AWAIT_NS);
+    }
+}
+
+void outcome_await_tick(struct broker *b)
+{
+    if (!b->journal.awaits || b->clock.now_ns < b->journal.awaits_ns) {
+        return;
+    }
+    b->journal.awaits = false;
+    uint64_t wall_ns = clock_wall_ns(&b->clock);
+    for (uint32_t i = 0; i < b->registry.count; i++) {
+        struct agent *a = &b->registry.agents[i];
+        uint64_t absent_ns = wall_ns - a->since_wall_ns;
+        if (a->awaited && absent_ns < AWAIT_NS) {
+            await_until(&b->journal, b->clock.now_ns + (AWAIT_NS - absent_ns));
+        } else if (a->awaited) {
+            a->awaited = false;
+            receipts_drop(&b->receipts, i, receipts_count(&b->receipts, i));
+        }
     }
 }

@@ -107,7 +107,8 @@ static bool kind_is_addressed(enum mu_address_kind kind, muster_Kind of)
  * the wall clock. */
 static bool is_too_far(const struct broker *b, uint32_t agent, uint32_t sender)
 {
-    return names_is_beyond(b, agent) && scope_is_inside(registry_scope(&b->registry, sender));
+    return names_is_beyond(&b->registry, &b->processes, agent) &&
+           scope_is_inside(registry_scope(&b->registry, sender));
 }
 
 void recipients_of_letter(struct broker *b, const muster_Mail *letter, uint32_t sender,
@@ -144,7 +145,8 @@ void recipients_of_letter(struct broker *b, const muster_Mail *letter, uint32_t 
 static uint32_t desk_of(const struct broker *b, const struct mail *m)
 {
     uint32_t agent = recipients_named(b, m);
-    bool is_elsewhere = agent != MU_NONE && agent != m->sender && names_is_beyond(b, agent) &&
+    bool is_elsewhere = agent != MU_NONE && agent != m->sender &&
+                        names_is_beyond(&b->registry, &b->processes, agent) &&
                         !view_inside(b, m->sender);
     return is_elsewhere ? agent : REGISTRY_BROKER;
 }

@@ -32,9 +32,6 @@ enum resolve_need resolve_needs(const struct broker *b, const struct mail *m)
 {
     const struct resolve *r = &b->resolve;
     const struct mu_list *queue = &r->queues[m->sender];
-    if (m->only != MU_NONE) { /* the broker that it came from has asked */
-        return RESOLVE_NOTHING;
-    }
     bool is_address = mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME;
     /* No address stands for the broker, and a resolver's answers must not wait for each other. */
     bool follows = queue->count > 0 && strcmp(m->letter.dst, "broker") != 0;

@@ -158,11 +158,11 @@ static void box_follow(struct broker *b, uint32_t agent, const struct presence *
 void lifecycle_tell_again(struct broker *b, uint32_t place)
 {
     view_forget_told(&b->processes.at[place]);
-    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
-         agent = residents_next(&b->registry, &b->processes, agent)) {
+    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
+         agent = processes_next_agent(&b->registry, &b->processes, agent)) {
         names_owe_verdict(b, agent);
         mailbox_repeat(&b->mailbox, agent);
-        residents_wake(&b->registry, &b->processes, agent);
+        processes_wake_agent(&b->registry, &b->processes, agent);
     }
     processes_wake(&b->processes, place);
 }
@@ -171,7 +171,7 @@ void lifecycle_tell_again(struct broker *b, uint32_t place)
 void lifecycle_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
                     const struct presence *is)
 {
-    residents_add(&b->registry, &b->processes, place, slot, agent);
+    processes_add_agent(&b->registry, &b->processes, place, slot, agent);
     processes_accept(&b->processes, place, b->registry.agents[agent].name);
     box_follow(b, agent, is);
     registry_seat(&b->registry, agent, place, b->processes.at[place].name, is,
@@ -182,7 +182,7 @@ void lifecycle_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t s
     mailbox_repeat(&b->mailbox, agent);
     names_changed(b);
     notify_presence(b, agent);
-    residents_wake(&b->registry, &b->processes, agent);
+    processes_wake_agent(&b->registry, &b->processes, agent);
     claims_review(b, agent);
     snapshots_review(b, agent);
 }
@@ -191,7 +191,7 @@ void lifecycle_move(struct broker *b, uint32_t agent, uint32_t place, uint32_t s
                     const struct presence *is)
 {
     uint32_t from = b->registry.agents[agent].process;
-    residents_remove(&b->registry, &b->processes, agent);
+    processes_remove_agent(&b->registry, &b->processes, agent);
     mailbox_unwatch(&b->mailbox, agent);
     b->registry.agents[agent].left = b->processes.at[from].seat;
     b->registry.agents[agent].left_wall_ns = b->registry.agents[agent].is.since_wall_ns;
@@ -204,7 +204,7 @@ void lifecycle_depart(struct broker *b, uint32_t agent)
 {
     struct agent *a = &b->registry.agents[agent];
     uint32_t place = a->process;
-    residents_remove(&b->registry, &b->processes, agent);
+    processes_remove_agent(&b->registry, &b->processes, agent);
     registry_unseat(&b->registry, agent, clock_wall_ns(&b->clock));
     steps_rescope(b, agent);
     a->passed = b->clock.mode == CLOCK_COMMITS;
@@ -216,7 +216,7 @@ void lifecycle_depart(struct broker *b, uint32_t agent)
     if (b->processes.at[place].kind == PROCESS_BROKER) {
         a->awaited = true; /* it is only out of sight: what it is to be told waits */
     } else if (a->let_go || (processes_is_silent(&b->processes.at[place]) && a->claim == MU_NONE)) {
-        settle_await(b, agent);
+        outcome_await(b, agent);
     } else {
         receipts_drop(&b->receipts, agent, receipts_count(&b->receipts, agent));
     }
@@ -239,7 +239,7 @@ void lifecycle_set_state(struct broker *b, uint32_t agent, muster_State state)
 {
     if (registry_set_state(&b->registry, agent, state, clock_wall_ns(&b->clock))) {
         names_changed(b);
-        residents_wake(&b->registry, &b->processes, agent);
+        processes_wake_agent(&b->registry, &b->processes, agent);
     }
 }
 
@@ -264,9 +264,9 @@ void lifecycle_reregister(struct broker *b, uint32_t agent, uint32_t slot, struc
     }
     if (a->resident.slot != slot) {
         uint32_t place = a->process;
-        residents_remove(&b->registry, &b->processes, agent);
-        residents_add(&b->registry, &b->processes, place, slot, agent);
-        residents_wake(&b->registry, &b->processes, agent);
+        processes_remove_agent(&b->registry, &b->processes, agent);
+        processes_add_agent(&b->registry, &b->processes, place, slot, agent);
+        processes_wake_agent(&b->registry, &b->processes, agent);
     }
     box_follow(b, agent, is);
     step_version_keep(b, agent);
@@ -275,7 +275,7 @@ void lifecycle_reregister(struct broker *b, uint32_t agent, uint32_t slot, struc
     if (changed) {
         journal_agent(b, agent);
         names_changed(b);
-        residents_wake(&b->registry, &b->processes, agent);
+        processes_wake_agent(&b->registry, &b->processes, agent);
     }
     claims_review(b, agent);
     snapshots_review(b, agent);
@@ -283,10 +283,10 @@ void lifecycle_reregister(struct broker *b, uint32_t agent, uint32_t slot, struc
 
 void lifecycle_settle(struct broker *b, uint32_t place)
 {
-    uint32_t next = RESIDENTS_NONE;
-    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
+    uint32_t next = MU_NONE;
+    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
          agent = next) {
-        next = residents_next(&b->registry, &b->processes, agent);
+        next = processes_next_agent(&b->registry, &b->processes, agent);
         if (b->registry.agents[agent].gone) {
             lifecycle_depart(b, agent);
         } else {

@@ -193,10 +193,10 @@ static void entry_take(struct broker *b, uint32_t place, const muster_Registrati
 static void agents_leave(struct broker *b, uint32_t place, uint32_t part,
                          const muster_Registration *now)
 {
-    uint32_t next = RESIDENTS_NONE;
-    for (uint32_t agent = residents_first_of(&b->processes, place, part); agent != RESIDENTS_NONE;
+    uint32_t next = MU_NONE;
+    for (uint32_t agent = processes_first_agent_of(&b->processes, place, part); agent != MU_NONE;
          agent = next) {
-        next = residents_next_of(&b->registry, agent);
+        next = processes_next_agent_of(&b->registry, agent);
         const struct agent *a = &b->registry.agents[agent];
         if (!now || slot_is_others(now, a->resident.slot, a->name)) {
             presence_leave(b, agent);

@@ -3,18 +3,6 @@
 
 #include "broker/control/parts.h"
 
-void names_confirm(struct broker *b, uint32_t agent, uint64_t number)
-{
-    struct agent *a = &b->registry.agents[agent];
-    a->seated = a->seated || number > a->seated_above;
-}
-
-bool names_is_beyond(const struct broker *b, uint32_t agent)
-{
-    uint32_t place = b->registry.agents[agent].process;
-    return place != MU_NONE && b->processes.at[place].kind == PROCESS_BROKER;
-}
-
 void names_changed(struct broker *b)
 {
     if (b->processes.all_awake) {
@@ -55,29 +43,4 @@ void names_owe_verdict(struct broker *b, uint32_t agent)
     a->seated_above = mailbox_last_number(&b->mailbox, agent);
     a->verdict_due =
         b->processes.at[a->process].kind != PROCESS_BROKER || mailbox_is_begun(&b->mailbox, agent);
-}
-
-void names_tell_number(struct broker *b, uint32_t agent)
-{
-    struct agent *a = &b->registry.agents[agent];
-    if (a->process != MU_NONE && b->processes.at[a->process].kind == PROCESS_BROKER) {
-        a->verdict_due = true;
-    }
-}
-
-/* Mail for an agent beyond another broker waits there. */
-enum mailbox_gate names_gate(const struct broker *b, uint32_t agent)
-{
-    const struct agent *a = &b->registry.agents[agent];
-    if (a->process == MU_NONE) {
-        return GATE_SHUT;
-    }
-    switch (a->is.state) {
-    case muster_STATE_STANDBY:
-    case muster_STATE_RUNNING: return GATE_OPEN;
-    case muster_STATE_SUSPENDED: return names_is_beyond(b, agent) ? GATE_OPEN : GATE_URGENT;
-    case muster_STATE_MOVING: return names_is_beyond(b, agent) ? GATE_OPEN : GATE_SHUT;
-    case muster_STATE_ABSENT: break;
-    }
-    return GATE_SHUT;
 }

@@ -121,7 +121,7 @@ struct process {
     uint32_t claims; /* names that it waits for */
     uint32_t agents_count;
     uint32_t parts_top;                    /* parts ever used */
-    struct mu_list parts[PROCESSES_PARTS]; /* its agents: see residents.c */
+    struct mu_list parts[PROCESSES_PARTS]; /* its agents: see below */
     struct mu_list queues[RESIDENT_QUEUES];
     uint32_t refusals_count;
     uint32_t unmatched_at; /* where it stands among the unmatched, if it has not matched */
@@ -212,45 +212,45 @@ static inline bool processes_is_silent(const struct process *at)
     return at->session >= SESSION_AWAY_SILENT;
 }
 
-/* --- residents.c ----------------------------------------------------------------------------- */
-
 /* Which agents live in a place, part by part, and which of them may have something to be told. */
 
-/** No agent: the broker itself lives in no place. */
-#define RESIDENTS_NONE MU_NONE
-
 /** An agent, which lives nowhere, moves into a slot of a place. */
-void residents_add(struct registry *r, struct processes *p, uint32_t place, uint32_t slot,
-                   uint32_t agent);
+void processes_add_agent(struct registry *r, struct processes *p, uint32_t place, uint32_t slot,
+                         uint32_t agent);
 
 /** An agent leaves its place. */
-void residents_remove(struct registry *r, struct processes *p, uint32_t agent);
+void processes_remove_agent(struct registry *r, struct processes *p, uint32_t agent);
 
-/** @return the first agent of a place, or of a part of it, or RESIDENTS_NONE */
-uint32_t residents_first(const struct processes *p, uint32_t place);
-uint32_t residents_first_of(const struct processes *p, uint32_t place, uint32_t part);
+/** @return the first agent of a place, or of a part of it, or MU_NONE */
+uint32_t processes_first_agent(const struct processes *p, uint32_t place);
+uint32_t processes_first_agent_of(const struct processes *p, uint32_t place, uint32_t part);
 
-/** @return the next agent of the same place, or of the same part, or RESIDENTS_NONE */
-uint32_t residents_next(const struct registry *r, const struct processes *p, uint32_t agent);
-uint32_t residents_next_of(const struct registry *r, uint32_t agent);
+/** @return the next agent of the same place, or of the same part, or MU_NONE */
+uint32_t processes_next_agent(const struct registry *r, const struct processes *p, uint32_t agent);
+uint32_t processes_next_agent_of(const struct registry *r, uint32_t agent);
 
 /** The agent may have something to be told, and its place with it; without a place, nothing. */
-void residents_wake(struct registry *r, struct processes *p, uint32_t agent);
+void processes_wake_agent(struct registry *r, struct processes *p, uint32_t agent);
 
 /**
  * @return an agent of the place that was woken since it was last served or calmed, or
- * RESIDENTS_NONE: so no waiting agent has to be looked at twice
+ * MU_NONE: so no waiting agent has to be looked at twice
  */
-static inline uint32_t residents_stirred(const struct processes *p, uint32_t place)
+static inline uint32_t processes_stirred_agent(const struct processes *p, uint32_t place)
 {
     return mu_list_first(&p->at[place].queues[RESIDENT_STIRRED]);
 }
 
 /** What the agent has to be told can wait, until it is woken again. */
-void residents_calm(struct registry *r, struct processes *p, uint32_t agent);
+void processes_calm_agent(struct registry *r, struct processes *p, uint32_t agent);
 
-/** Takes the agent that waits longest out of a place's queue.  @return RESIDENTS_NONE: none waits
- */
-uint32_t residents_pop(struct registry *r, struct processes *p, uint32_t place);
+/** @return whether an agent waits in a place's queue */
+static inline bool processes_agent_waits(const struct processes *p, uint32_t place)
+{
+    return p->at[place].queues[RESIDENT_READY].count > 0;
+}
+
+/** Takes out the agent that waits longest; there must be one. */
+uint32_t processes_pop_agent(struct registry *r, struct processes *p, uint32_t place);
 
 #endif

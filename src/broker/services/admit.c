@@ -46,7 +46,9 @@ static void seen_note(struct broker *b, uint32_t sender, uint64_t seq)
     struct agent *a = &b->registry.agents[sender];
     if (seq > a->seen_seq) {
         a->seen_seq = seq;
-        journal_seq(b, sender);
+        if (b->journal.on) {
+            journal_seq(b, sender);
+        }
     }
 }
 

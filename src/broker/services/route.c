@@ -38,7 +38,7 @@ void route_from_outside(struct broker *b, struct mail *m)
     if (!clock_by_steps(&b->clock) || !meets_run(b, m)) {
         (void)route_mail(b, m);
     } else if (!steps_keep(b, m, true)) {
-        settle_turn_away(b, m);
+        outcome_turn_away(b, m);
     }
 }
 
@@ -97,12 +97,14 @@ static bool mail_go_on(struct broker *b, struct mail *m, const char *names)
     }
     b->counters.sent += to.count + to.unknown + to.refused;
     b->counters.unknown_name += to.unknown;
+    struct delivered done;
     bool goes_on = to.refused == 0 || to.count > 0;
     if (m->letter.level != muster_LEVEL_RAM && !journal_takes(b)) {
         mail_unstored(b, m, &to);
-    } else if (deliver_book(b, m, &to)) {
-        struct delivered done = deliver_put(b, m, &to);
-        multicast_note(b, m);
+    } else if (deliver_put(b, m, &to, &done)) {
+        if (m->unsettled >= MULTICAST_PLACES_MIN) {
+            multicast_note(b, m);
+        }
         desks_take(b, m, &to);
         deliver_conclude(b, m, &to, &done);
     }
@@ -123,12 +125,13 @@ static void mails_pump(struct broker *b, uint32_t sender)
 
 bool route_mail(struct broker *b, struct mail *m)
 {
-    enum resolve_need need = resolve_needs(b, m);
+    bool plain = resolve_is_plain(&b->resolve, m);
+    enum resolve_need need = plain ? RESOLVE_NOTHING : resolve_needs(b, m);
     if (need == RESOLVE_NOTHING) {
         return mail_go_on(b, m, NULL);
     }
     if (need == RESOLVE_FULL) {
-        settle_turn_away(b, m);
+        outcome_turn_away(b, m);
     } else if (ledger_charge(b, m, 1)) {
         resolve_wait(b, m);
     } else {

@@ -32,8 +32,8 @@ void steps_rescope(struct broker *b, uint32_t agent)
 
 void steps_mark_residents(struct broker *b, uint32_t place)
 {
-    for (uint32_t agent = residents_first(&b->processes, place); agent != RESIDENTS_NONE;
-         agent = residents_next(&b->registry, &b->processes, agent)) {
+    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
+         agent = processes_next_agent(&b->registry, &b->processes, agent)) {
         steps_rescope(b, agent);
     }
 }
@@ -196,19 +196,6 @@ void steps_keep_state(struct steps *l, uint32_t agent, muster_State state)
     turn->state = state;
 }
 
-enum steps_effect steps_effect(const struct broker *b, uint32_t place, int64_t step)
-{
-    enum role role = b->steps.members[place].role;
-    if (!scope_is_inside(role_scope(role))) {
-        return STEPS_NOW;
-    }
-    if (step == muster_STEP_NOW) {
-        return STEPS_OUTSIDE;
-    }
-    bool awaited = role == ROLE_AWAITED || role == ROLE_AWAITED_OWED;
-    return awaited && step == b->steps.step ? STEPS_INSIDE : STEPS_IGNORED;
-}
-
 static int agent_compare(const void *x, const void *y, const void *registry)
 {
     const uint32_t *one = x, *other = y;
@@ -267,20 +254,16 @@ bool steps_view(const struct broker *b, uint32_t place, uint64_t interval_ns,
 {
     const struct steps *l = &b->steps;
     enum role role = l->members[place].role;
-    *view = (struct steps_view){
-        .scope = role_scope(role), .step = muster_STEP_NOW, .version = b->registry.changes.version};
-    if (!scope_is_paced(view->scope)) {
-        return true;
-    }
     uint64_t step_ns = b->clock.step_ns;
     uint64_t steps = interval_ns / step_ns + (interval_ns % step_ns > 0);
-    view->step = l->step - 1;
-    view->version = l->version;
-    view->start_version = l->start_version;
-    view->round_ns = steps * step_ns;
-    view->is_round = steps == 0 || (uint64_t)l->step % steps == 0;
-    view->told = l->told;
-    view->told_count = place == l->simulator ? l->told_count : 0;
+    *view = (struct steps_view){.scope = role_scope(role),
+                                .step = l->step - 1,
+                                .version = l->version,
+                                .start_version = l->start_version,
+                                .round_ns = steps * step_ns,
+                                .is_round = steps == 0 || (uint64_t)l->step % steps == 0,
+                                .told = l->told,
+                                .told_count = place == l->simulator ? l->told_count : 0};
     bool owed = role_next(role, ROLE_IS_TOLD) != ROLES;
     return owed && !l->awaits_moves;
 }

@@ -138,7 +138,18 @@ void steps_set_held(struct broker *b, bool held);
  * it; STEPS_REPLAY, with the step that a recording says. */
 enum steps_effect { STEPS_NOW, STEPS_INSIDE, STEPS_OUTSIDE, STEPS_REPLAY, STEPS_IGNORED };
 
-enum steps_effect steps_effect(const struct broker *b, uint32_t place, int64_t step);
+static inline enum steps_effect steps_effect(const struct steps *l, uint32_t place, int64_t step)
+{
+    enum role role = l->members[place].role;
+    if (!scope_is_inside(role_scope(role))) {
+        return STEPS_NOW;
+    }
+    if (step == muster_STEP_NOW) {
+        return STEPS_OUTSIDE;
+    }
+    bool awaited = role == ROLE_AWAITED || role == ROLE_AWAITED_OWED;
+    return awaited && step == l->step ? STEPS_INSIDE : STEPS_IGNORED;
+}
 
 /** @return how many answers the step waits for; 1 when there is no lock step */
 uint32_t steps_missing(const struct steps *l);
@@ -188,9 +199,11 @@ struct steps_view {
 };
 
 /**
+ * What a process that goes by steps may be told.
+ *
  * @param interval_ns  between two rounds of ordinary mail; 0: there is always one
  * @param view         out: valid until the next step ends
- * @return false: the process goes by steps, and has had the Delivery of the last one
+ * @return false: it has had the Delivery of the last step
  */
 bool steps_view(const struct broker *b, uint32_t place, uint64_t interval_ns,
                 struct steps_view *view);

@@ -397,11 +397,11 @@ static void test_who_shares_a_process_with_a_full_window_is_not_forgotten(void)
     story_mail(directive("operator", ++seq, "green", "(wander)"));
     EXPECT("");
     uint32_t place = processes_find(&story.b->processes, "p-green");
-    CU_ASSERT_EQUAL(residents_stirred(&story.b->processes, place), RESIDENTS_NONE);
+    CU_ASSERT_EQUAL(processes_stirred_agent(&story.b->processes, place), MU_NONE);
     story_ack("green", 1); /* which makes room for the directive */
-    CU_ASSERT_NOT_EQUAL(residents_stirred(&story.b->processes, place), RESIDENTS_NONE);
+    CU_ASSERT_NOT_EQUAL(processes_stirred_agent(&story.b->processes, place), MU_NONE);
     EXPECT("green #209 operator/209 (wander)");
-    CU_ASSERT_EQUAL(residents_stirred(&story.b->processes, place), RESIDENTS_NONE);
+    CU_ASSERT_EQUAL(processes_stirred_agent(&story.b->processes, place), MU_NONE);
     CU_ASSERT_EQUAL(dispatch_deadline_ns(story.b), story.b->dispatch.wake_ns);
     story.now_ns = story.b->dispatch.wake_ns - 1;
     story_tick(1);
