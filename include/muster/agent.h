@@ -134,7 +134,7 @@ struct mu_handlers {
     void (*on_step)(void *self, mu_agent *a, const struct mu_percept *percept);
     /** The control step's mail is in, and the agent runs: act. */
     void (*on_act)(void *self, mu_agent *a, const struct mu_percept *percept);
-    /** A tick: a control step begins, in any state, for a robot whose name has no body in the
+    /** A tick: a control step begins, in any state, for an agent whose name has no body in the
      *  world.  Of the percept, only step and time_ns have values.  on_act follows. */
     void (*on_beat)(void *self, mu_agent *a, const struct mu_percept *percept);
     /** For a process that watches: a control step begins.  The percepts have poses and speeds of
@@ -262,6 +262,7 @@ struct mu_passage {
     uint64_t handed;      /* so many mails in all, */
     uint64_t broker;      /* at the broker of this incarnation */
     uint64_t epoch;       /* how often it has set out */
+    enum mu_kind kind;    /* it stays what it is */
 };
 
 /**

@@ -72,7 +72,7 @@ void mu_agent_be(mu_agent *a, const struct mu_agent_kind *kind);
  * Enters an agent that has lived elsewhere, or is a copy of one: as mu_agent_join, in the state
  * MU_MOVING until it is accepted and its owner sets another.
  *
- * @param from   how far it had come; NULL: it has taken no mail
+ * @param from   how far it had come, and its kind; NULL: a robot that has taken no mail
  * @param event  what happens when it is accepted: MU_ON_ARRIVE, MU_ON_CLONE, or MU_ON_CREATE
  * @return as mu_agent_join; MU_MALFORMED also for an invalid event
  */

@@ -99,6 +99,7 @@ void agent_reserve(struct group_process *g, const struct robot_options *set, uin
     for (uint32_t i = 0; i < count; i++) {
         g->robots[i].group = g;
         g->robots[i].step = -1;
+        g->robots[i].kind = set->kind;
     }
     checkpoint_reserve(g);
 }

@@ -28,12 +28,15 @@ mu_result agent_join(struct robot *r)
     }
     struct mu_handlers handlers = handlers_of(r);
     mu_process *p = r->group->process;
-    mu_result joined = mu_agent_join(p, &r->agent, r->name, MU_KIND_ROBOT, 0, &handlers);
+    mu_result joined = mu_agent_join(p, &r->agent, r->name, r->kind, 0, &handlers);
     if (joined != MU_OK) {
         fprintf(stderr, "%s: %s\n", r->name, mu_result_text(joined));
         return joined < 0 ? joined : MU_FAULT_USAGE;
     }
     robot_begin(r);
+    if (r->group->set->standby) {
+        mu_agent_set_state(r->agent, MU_STANDBY);
+    }
     return MU_OK;
 }
 

@@ -42,7 +42,8 @@ static void arrive(struct robot *r, bool accepted, const char *reason)
 /* A robot that lost its name while it was away is out of date. */
 static void return_refused(struct robot *r, const char *reason)
 {
-    fprintf(stderr, "muster robot: the broker refuses the name %s: %s\n", r->name, reason);
+    fprintf(stderr, "muster %s: the broker refuses the name %s: %s\n", mu_kind_text(r->kind),
+            r->name, reason);
     r->group->refused = true;
 }
 
@@ -64,8 +65,8 @@ void lifecycle_on_registered(void *self, mu_agent *a, bool accepted, const char 
     }
     fprintf(
         stderr,
-        "muster robot: the broker refuses the name %s: %s; muster lookup %s says where that is\n",
-        mu_agent_name(a), reason, mu_agent_name(a));
+        "muster %s: the broker refuses the name %s: %s; muster lookup %s says where that is\n",
+        mu_kind_text(r->kind), mu_agent_name(a), reason, mu_agent_name(a));
     r->group->refused = true;
     checkpoint_set_native(r, false); /* another agent has its name, so that no mark stays */
     group_process_leave(r);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* muster-robot: controllers of robots, each with a CLIPS mind between its senses and its motors. */
+/* muster-robot: controllers of robots, each with a CLIPS mind between its senses and its motors;
+ * and, as muster-agent, agents without a body. */
 #include "agent/robot.h"
 #include "core/exits.h"
 #include "core/log.h"
@@ -24,7 +25,7 @@ static struct group_process *group_make(const struct robot_options *set)
 static mu_result robots_think(struct group_process *g)
 {
     char folder[PATH_MAX];
-    MU_TRY(mu_path_rules_need(folder, sizeof folder, "muster robot"));
+    MU_TRY(mu_path_rules_need(folder, sizeof folder, g->set->program));
     g->rules_folder = mu_startup_string(folder);
     MU_TRY(robot_mind_open_map(g));
     for (uint32_t i = 0; i < g->count; i++) {
@@ -45,7 +46,7 @@ static mu_result robots_join(struct group_process *g)
             MU_TRY(agent_join(&g->robots[i]));
         }
     }
-    return join_await(g->process, &set->network, "muster robot", options.domain);
+    return join_await(g->process, &set->network, set->program, options.domain);
 }
 
 static bool group_is_empty(const struct group_process *g)

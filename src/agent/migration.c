@@ -233,6 +233,7 @@ static const char *copy_write(struct migration *m, struct mu_fault *fault)
     m->was = mu_agent_state(m->robot->agent);
     struct snapshot_header p = {
         .purpose = MIGRATION_CLONE, .state = m->was, .mails = m->robot->mails};
+    p.passage.kind = mu_agent_passage(m->robot->agent).kind;
     (void)mu_text_copy(p.name, sizeof p.name, m->name);
     asker_pass(m, &p);
     return agent_write(m->robot, &p, &m->text, fault);

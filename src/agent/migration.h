@@ -18,7 +18,7 @@
 
 enum {
     MIGRATION_SNAPSHOT_MAX = MU_CAPSULE_MAX, /* bytes of header and snapshot */
-    SNAPSHOT_HEADER_FIELDS = 11,             /* of a header, without the asker */
+    SNAPSHOT_HEADER_FIELDS = 12,             /* of a header, without the asker */
     MIGRATION_ANSWER_MAX = 4 << 20,          /* bytes of several in one answer to a step */
 };
 

@@ -29,16 +29,20 @@ static mu_result pages_check(const struct robot_options *set)
     char name[MU_NAME_MAX + 2];
     for (size_t i = 0; i < set->groups.count; i++) {
         if (!mu_name_of_group(set->groups.items[i])) {
-            fprintf(stderr, "muster robot --group: expected [A-Za-z_][A-Za-z0-9_.-]{0,30}, and not "
-                            "all, robots, special, broker\n");
+            fprintf(stderr,
+                    "%s --group: expected [A-Za-z_][A-Za-z0-9_.-]{0,30}, and not "
+                    "all, robots, special, broker\n",
+                    set->program);
             return MU_FAULT_USAGE;
         }
     }
     for (size_t i = 0; i < set->services.count; i++) {
         const char *attributes = options_service(set->services.items[i], name);
         if (!mu_name_valid(name) || !mu_attributes_valid(attributes)) {
-            fprintf(stderr, "muster robot --service: expected a service and its attributes, such "
-                            "as 'mapper role=scout'\n");
+            fprintf(stderr,
+                    "%s --service: expected a service and its attributes, such "
+                    "as 'mapper role=scout'\n",
+                    set->program);
             return MU_FAULT_USAGE;
         }
     }
@@ -68,30 +72,35 @@ static bool names_fit(const struct robot_options *set)
 
 static mu_result options_check(const struct robot_options *set)
 {
+    const char *kind = mu_kind_text(set->kind);
     if (!set->name || !set->rules) {
-        fprintf(stderr, "muster robot: give it a name and rules, for example: "
-                        "muster robot red --rules rules/follower.clp\n");
+        fprintf(stderr,
+                "%s: give it a name and rules, for example: "
+                "%s red --rules rules/follower.clp\n",
+                set->program, set->program);
         return MU_FAULT_USAGE;
     }
-    if (!mu_name_check("muster robot", "a robot", set->name)) {
+    char one[16];
+    snprintf(one, sizeof one, set->kind == MU_KIND_ROBOT ? "a %s" : "an %s", kind);
+    if (!mu_name_check(set->program, one, set->name)) {
         return MU_FAULT_USAGE;
     }
     if (!names_fit(set)) {
         fprintf(stderr,
-                "muster robot --count: the names of so many, such as %s_%lld, are longer "
+                "%s --count: the names of so many, such as %s_%lld, are longer "
                 "than %d bytes\n",
-                set->name, (long long)(set->first + set->count - 1), MU_NAME_MAX);
+                set->program, set->name, (long long)(set->first + set->count - 1), MU_NAME_MAX);
         return MU_FAULT_USAGE;
     }
-    MU_TRY(options_check_checkpoints(&set->checkpoints, "muster robot"));
+    MU_TRY(options_check_checkpoints(&set->checkpoints, set->program));
     if (set->checkpoints.restore && !set->checkpoints.folder) {
-        fprintf(stderr, "muster robot: --restore needs --folder DIR\n");
+        fprintf(stderr, "%s: --restore needs --folder DIR\n", set->program);
         return MU_FAULT_USAGE;
     }
     return pages_check(set);
 }
 
-static struct robot_options options;
+static struct robot_options options = {.kind = MU_KIND_ROBOT};
 
 /* Rows of every program that has robots. */
 static struct mu_option shared[] = {
@@ -133,6 +142,7 @@ mu_result options_parse(struct mu_options *program, int argc, char **argv,
     memcpy(rows + SHARED, program->table, program->count * sizeof rows[0]);
     program->table = rows;
     program->count += SHARED;
+    options.program = program->program;
     mu_result parsed = mu_options_parse(program, argc, argv);
     options.name = program->words_count == 1 ? program->words[0] : NULL;
     *out = &options;
@@ -140,28 +150,47 @@ mu_result options_parse(struct mu_options *program, int argc, char **argv,
 }
 
 static struct mu_option own[] = {
-    MU_STRING("rules", "FILE", options.rules, "the robot's behaviour, a CLIPS file", .letter = 'r'),
+    MU_STRING("rules", "FILE", options.rules, "the agent's behaviour, a CLIPS file", .letter = 'r'),
     MU_INTEGER("count", "N", options.count,
-               "robots in one process, NAME_0 to NAME_(N-1); 0: one robot, NAME", .fallback = "0",
+               "agents in one process, NAME_0 to NAME_(N-1); 0: one, NAME", .fallback = "0",
                .max = MU_ROBOTS_MAX),
     MU_INTEGER("first", "K", options.first,
                "with --count: the number of the first, for one of several processes",
                .fallback = "0", .max = MU_ROBOTS_MAX),
     MU_LIST("global", "NAME=VALUE", options.globals, "set a global, for example mate=red"),
-    MU_LIST("group", "G", options.groups, "join a group when the broker knows the robot"),
+    MU_LIST("group", "G", options.groups, "join a group when the broker knows the agent"),
     MU_LIST("service", "'S KEY=VALUE...'", options.services,
             "offer a service, likewise, for example 'mapper role=scout'"),
     MU_FLAG("functions", options.functions, "print the functions that rules may call, and exit"),
+    MU_FLAG("standby", options.standby, "begin in standby, and run when told to start"),
 };
+enum { OWN = sizeof own / sizeof own[0] };
+
+/* One program has two names.  A robot is in standby anyway. */
+static struct mu_options program_robot = {
+    .program = "muster robot",
+    .usage = "NAME --rules FILE [OPTION...]",
+    .about = "Controls robots by CLIPS rules; they wait in standby until told to start.",
+    .table = own,
+    .count = OWN - 1};
+static struct mu_options program_agent = {
+    .program = "muster agent",
+    .usage = "NAME --rules FILE [OPTION...]",
+    .about = "Agents without a body, with CLIPS rules; they run from the start.",
+    .table = own,
+    .count = OWN};
+
+/* @return whether the program was called by its name for agents: agent, muster-agent */
+static bool is_for_agents(const char *called)
+{
+    size_t len = strlen(called), agent = strlen("agent");
+    return len >= agent && strcmp(called + len - agent, "agent") == 0;
+}
 
 mu_result options_read(const struct robot_options **out, int argc, char **argv)
 {
-    static struct mu_options program = {
-        .program = "muster robot",
-        .usage = "NAME --rules FILE [OPTION...]",
-        .about = "Controls robots by CLIPS rules; they wait in standby until told to start.",
-        .table = own,
-        .count = sizeof own / sizeof own[0]};
-    mu_result parsed = options_parse(&program, argc, argv, out);
+    bool agents = argc > 0 && is_for_agents(argv[0]);
+    options.kind = agents ? MU_KIND_AGENT : MU_KIND_ROBOT;
+    mu_result parsed = options_parse(agents ? &program_agent : &program_robot, argc, argv, out);
     return parsed != MU_OK || options.functions ? parsed : options_check(&options);
 }

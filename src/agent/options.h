@@ -8,6 +8,7 @@
 
 #include "core/network.h"
 #include "core/options.h"
+#include "muster/agent.h"
 #include "muster/limits.h"
 #include "muster/result.h"
 
@@ -23,6 +24,8 @@ struct checkpoint_options {
 
 struct robot_options {
     struct mu_network network;
+    const char *program; /* for messages: "muster robot" */
+    enum mu_kind kind;   /* robots, or agents that are none */
     const char *name, *rules;
     const char *world; /* NULL: no map */
     int64_t count,
@@ -32,7 +35,7 @@ struct robot_options {
     struct mu_option_list globals; /* "mate=red" */
     struct mu_option_list groups, services;
     struct checkpoint_options checkpoints;
-    bool diary, verbose, functions;
+    bool diary, verbose, functions, standby;
 };
 
 /**

@@ -82,6 +82,7 @@ struct group_process {
 struct robot {
     struct group_process *group;
     char name[MU_NAME_MAX + 1];
+    enum mu_kind kind; /* as which it begins here */
     struct mind *mind;
     mu_agent *agent;
     struct migration *migration; /* of the robot or its copy; NULL: none */

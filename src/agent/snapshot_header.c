@@ -13,9 +13,9 @@ static const char *const purposes[MIGRATION_PURPOSES] = {
 void snapshot_header_add(struct mu_text *out, const struct snapshot_header *p)
 {
     mu_text_format(out,
-                   "passport 2 %s %s %s %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64
+                   "passport 3 %s %s %s %s %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64
                    " %" PRIu64 " %" PRIu32 " %s %s\n",
-                   purposes[p->purpose], p->name, mu_state_text(p->state), p->passage.last_number,
+                   mu_kind_text(p->passage.kind), purposes[p->purpose], p->name, mu_state_text(p->state), p->passage.last_number,
                    p->passage.handed, p->passage.broker, p->passage.epoch, p->mails, p->seed,
                    p->rules_left, p->asker[0] ? p->asker : "-", p->reply_with);
 }
@@ -29,6 +29,13 @@ static bool purpose_read(const char *word, enum migration_purpose *out)
         }
     }
     return false;
+}
+
+/* Reads a kind that has rules. */
+static bool kind_read(const char *word, enum mu_kind *out)
+{
+    *out = strcmp(word, mu_kind_text(MU_KIND_ROBOT)) == 0 ? MU_KIND_ROBOT : MU_KIND_AGENT;
+    return strcmp(word, mu_kind_text(*out)) == 0;
 }
 
 /* Reads a state that an agent can go on in. */
@@ -62,16 +69,16 @@ static bool asker_read(const char **text, struct snapshot_header *out)
 
 bool snapshot_header_read(const char **text, struct snapshot_header *out)
 {
-    char purpose[16], name[MU_NAME_MAX + 2], state[16];
+    char kind[16], purpose[16], name[MU_NAME_MAX + 2], state[16];
     int version = 0, len = 0;
     *out = (struct snapshot_header){.purpose = MIGRATION_MOVE};
     int read = sscanf(*text,
-                      "passport %d %15s %32s %15s %" SCNu64 " %" SCNu64 " %" SCNu64 " %" SCNu64
+                      "passport %d %15s %15s %32s %15s %" SCNu64 " %" SCNu64 " %" SCNu64 " %" SCNu64
                       " %" SCNu64 " %" SCNu64 " %" SCNu32 "%n",
-                      &version, purpose, name, state, &out->passage.last_number,
+                      &version, kind, purpose, name, state, &out->passage.last_number,
                       &out->passage.handed, &out->passage.broker, &out->passage.epoch, &out->mails,
                       &out->seed, &out->rules_left, &len);
-    if (read != SNAPSHOT_HEADER_FIELDS || version != 2 || !mu_name_valid(name) ||
+    if (read != SNAPSHOT_HEADER_FIELDS || version != 3 || !mu_name_valid(name) ||
         mu_name_reserved(name) || !mu_text_copy(out->name, sizeof out->name, name)) {
         return false;
     }
@@ -79,7 +86,8 @@ bool snapshot_header_read(const char **text, struct snapshot_header *out)
     if (!asker_read(text, out)) {
         return false;
     }
-    return purpose_read(purpose, &out->purpose) && state_read(state, &out->state);
+    return kind_read(kind, &out->passage.kind) && purpose_read(purpose, &out->purpose) &&
+           state_read(state, &out->state);
 }
 
 const char *agent_write(struct robot *r, const struct snapshot_header *p, struct mu_text *out,

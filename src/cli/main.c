@@ -51,6 +51,13 @@ static int record_verb(int argc, char **argv)
     return run_find(argv) ? program_become("muster-record", argv) : MU_EXIT_SEVERAL;
 }
 
+/* One program has the rules of robots, and those of agents that are none: by its own name. */
+static int agent_verb(int argc, char **argv)
+{
+    (void)argc;
+    return program_become("muster-robot", argv);
+}
+
 static int topics_verb(int argc, char **argv)
 {
     static struct mu_options o = {.program = "muster topics",
@@ -94,6 +101,7 @@ static const struct {
     {"group", group_verb},
     {"service", service_verb},
     {"world", world_verb},
+    {"agent", agent_verb},
     {"record", record_verb},
     {"why", why_verb},
     {"completion", completion_verb},

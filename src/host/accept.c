@@ -101,8 +101,8 @@ static mu_result join(struct robot *r, const struct snapshot_header *p)
 {
     switch (p->purpose) {
     case MIGRATION_MOVE: return agent_arrive(r, &p->passage, MU_ON_ARRIVE);
-    case MIGRATION_CLONE: return agent_arrive(r, NULL, MU_ON_CLONE);
-    case MIGRATION_LAUNCH: return agent_arrive(r, NULL, MU_ON_CREATE);
+    case MIGRATION_CLONE: return agent_arrive(r, &p->passage, MU_ON_CLONE);
+    case MIGRATION_LAUNCH: return agent_arrive(r, &p->passage, MU_ON_CREATE);
     case MIGRATION_PURPOSES: break;
     }
     return MU_MALFORMED;

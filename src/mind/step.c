@@ -108,9 +108,12 @@ void mind_feel_nothing(struct mind *m, uint64_t time_ns)
     if (!MIND_ENTER(m, STATE_SENSE)) {
         return;
     }
+    EnvIncrementGCLocks(m->env); /* no garbage collection before the fields stand in a fact */
+    trace_cause(m, 'S', "", "");
     percept_lose(m, time_ns);
     events_assert(m);
     messages_age(m);
+    EnvDecrementGCLocks(m->env);
     (void)mind_leave(m);
 }
 

@@ -12,7 +12,7 @@ struct mu_text *launch_text_begin(const char *name, bool start, int64_t seed)
 {
     static struct mu_text text;
     mu_text_init(&text, launch_bytes, sizeof launch_bytes);
-    mu_text_format(&text, "passport 2 launch %s %s 0 0 0 0 0 %lld 0 - \n", name,
+    mu_text_format(&text, "passport 3 robot launch %s %s 0 0 0 0 0 %lld 0 - \n", name,
                    start ? "running" : "standby", (long long)seed);
     return &text;
 }

@@ -140,7 +140,8 @@ mu_result mu_agent_arrive(mu_process *p, mu_agent **out, const char *name,
     if ((unsigned)event >= MU_EVENTS) {
         return MU_MALFORMED;
     }
-    mu_result joined = mu_agent_join(p, out, name, MU_KIND_ROBOT, last, handlers);
+    enum mu_kind kind = from ? from->kind : MU_KIND_ROBOT;
+    mu_result joined = mu_agent_join(p, out, name, kind, last, handlers);
     if (joined != MU_OK) {
         return joined;
     }
@@ -158,7 +159,8 @@ struct mu_passage mu_agent_passage(const mu_agent *a)
     return (struct mu_passage){.last_number = a->last_number,
                                .handed = a->handed,
                                .broker = a->broker_incarnation,
-                               .epoch = a->epoch};
+                               .epoch = a->epoch,
+                               .kind = a->kind};
 }
 
 void mu_agent_set_out(mu_agent *a)

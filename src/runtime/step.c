@@ -213,11 +213,11 @@ static void world_take(mu_process *p, const muster_Sense *sense)
     }
 }
 
-/* Robots without a body live through the step, too, in the order in which they came. */
+/* Agents without a body live through the step, too, in the order in which they came. */
 static bool takes_tick(const struct mu_agent *a)
 {
-    return a->kind == MU_KIND_ROBOT && !a->embodied && a->state != MU_GONE &&
-           a->name_state == NAME_ACCEPTED && a->handlers.on_beat;
+    return !a->embodied && a->state != MU_GONE && a->name_state == NAME_ACCEPTED &&
+           a->handlers.on_beat;
 }
 
 static void ticks_take(mu_process *p)

@@ -62,6 +62,7 @@ const struct verb verbs[] = {
     {"broker", PROCESSES, "NAME", "one broker: names and mail", ""},
     {"sim", PROCESSES, "WORLD", "one simulator: bodies, senses, the clock of the run", "world"},
     {"robot", PROCESSES, "NAME --rules FILE", "one robot's controller", ""},
+    {"agent", PROCESSES, "NAME --rules FILE", "one agent with rules and without a body", ""},
     {"host", PROCESSES, "NAME", "a platform that agents are launched on and move to", ""},
     {"resolver", PROCESSES, "SCHEME", "addresses such as role:scout or near:2.5", "near|role|task"},
 

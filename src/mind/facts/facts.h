@@ -68,6 +68,9 @@ struct percept_list {
     struct deftemplate *relation;
 };
 
+/* Whether a mind has a body, as its last percept tells. */
+enum percept_body { PERCEPT_BODY_UNKNOWN, PERCEPT_BODY, PERCEPT_NO_BODY, PERCEPT_BODIES };
+
 /* A mind and all that it was told. */
 struct mind_inputs {
     struct mind mind; /* first */
@@ -78,10 +81,10 @@ struct mind_inputs {
     struct percept_elements elements;
     struct percept_facts list_facts;
     struct percept_list lists[MU_CHANNEL_COUNT];
-    bool sensed;
+    enum percept_body body;
     uint32_t senses_named; /* enum mu_sense: sensors whose functions rules call */
-    struct deftemplate *position;
-    struct fact *position_fact;
+    struct deftemplate *time, *position;
+    struct fact *time_fact, *position_fact; /* the time's: NULL if no rule looks at it */
     bool ring_unseen; /* the ring's fact is left out: no rule has a pattern of it, and no query has
                          looked for it */
     long long ring_number; /* the number that this fact would bear */

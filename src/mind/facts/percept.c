@@ -4,6 +4,17 @@
 
 #include <math.h>
 
+/* The time of the step, for rules that look at it. */
+static struct fact *percept_time(struct mind *m)
+{
+    if (!fact_is_used(inputs_of(m)->time)) {
+        return NULL;
+    }
+    struct multifield *fields = CreateMultifield2(m->env, 1);
+    value_set_float(m->env, fields, 0, (double)inputs_of(m)->percept.time_ns * 1e-9);
+    return fact_assert(m, inputs_of(m)->time, fields);
+}
+
 static struct fact *percept_position(struct mind *m)
 {
     double values[6];
@@ -89,6 +100,7 @@ static void percept_lists(struct mind *m)
 /* Retracts the facts of the last percept. */
 static void percept_retract_all(struct mind *m)
 {
+    fact_retract(m, &inputs_of(m)->time_fact);
     fact_retract(m, &inputs_of(m)->position_fact);
     for (size_t i = 0; i < MU_CHANNEL_COUNT; i++) {
         size_t count = percept_fact_count(m, i);
@@ -156,7 +168,7 @@ static void percept_copy(struct mind *m, const struct mu_percept *from)
     }
     MU_CHANNELS(COPY)
 #undef COPY
-    inputs_of(m)->sensed = true;
+    inputs_of(m)->body = PERCEPT_BODY;
 }
 
 void percept_take(struct mind *m, const struct mu_percept *p)
@@ -164,6 +176,7 @@ void percept_take(struct mind *m, const struct mu_percept *p)
     m->trace_fact = TRACE_SENSED;
     percept_retract_all(m);
     percept_copy(m, p);
+    inputs_of(m)->time_fact = percept_time(m);
     inputs_of(m)->position_fact = percept_position(m);
     percept_lists(m);
     m->trace_fact = TRACE_CAUSED;
@@ -172,9 +185,13 @@ void percept_take(struct mind *m, const struct mu_percept *p)
 void percept_lose(struct mind *m, uint64_t time_ns)
 {
     const struct mu_percept nothing = {.time_ns = time_ns, .battery_share = -1};
+    m->trace_fact = TRACE_SENSED;
     percept_retract_all(m);
     percept_copy(m, &nothing);
-    inputs_of(m)->sensed = inputs_of(m)->ring_unseen = false;
+    inputs_of(m)->body = PERCEPT_NO_BODY;
+    inputs_of(m)->ring_unseen = false;
+    inputs_of(m)->time_fact = percept_time(m);
+    m->trace_fact = TRACE_CAUSED;
 }
 
 /* (reset) drops the ring's fact with all others. */

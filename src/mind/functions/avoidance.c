@@ -83,7 +83,8 @@ void avoidance_clear_way(void *env, DATA_OBJECT *out)
     double arg[2] = {0, INFINITY};
     double ring_mm[WAY_FRONT];
     EnvSetMultifieldErrorValue(env, out);
-    if (!value_numbers(env, "clear-way", EnvRtnArgCount(env), arg)) {
+    if (!sensors_have_body(env, "clear-way") ||
+        !value_numbers(env, "clear-way", EnvRtnArgCount(env), arg)) {
         return;
     }
     for (size_t i = 0; i < WAY_FRONT; i++) {

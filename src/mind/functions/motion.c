@@ -46,7 +46,7 @@ void motion_set_speed(void *env, DATA_OBJECT *out)
     struct mind *m = environment_mind(env);
     double speed[2];
     value_bool(env, out, false);
-    if (!value_numbers(env, "setSpeed", 2, speed)) {
+    if (!value_numbers(env, "setSpeed", 2, speed) || !sensors_have_body(env, "setSpeed")) {
         return;
     }
     if (!isfinite(speed[0]) || !isfinite(speed[1])) {
@@ -60,9 +60,11 @@ void motion_set_speed(void *env, DATA_OBJECT *out)
 
 void motion_stop(void *env, DATA_OBJECT *out)
 {
-    struct mind *m = environment_mind(env);
-    motion_drive(m, 0, 0);
-    value_bool(env, out, true);
+    bool has = sensors_have_body(env, "stop");
+    if (has) {
+        motion_drive(environment_mind(env), 0, 0);
+    }
+    value_bool(env, out, has);
 }
 
 void motion_update_sensors(void *env, DATA_OBJECT *out)

@@ -23,8 +23,8 @@ void path_plan(void *env, DATA_OBJECT *out)
     if (!value_numbers(env, "plan", 2, to_mm)) {
         return;
     }
-    if (!m->options.planner || !inputs_of(m)->sensed || !isfinite(to_mm[0]) ||
-        !isfinite(to_mm[1])) {
+    if (!sensors_have_body(env, "plan") || !m->options.planner ||
+        inputs_of(m)->body != PERCEPT_BODY || !isfinite(to_mm[0]) || !isfinite(to_mm[1])) {
         return;
     }
     double from_m[2] = {p->x_m, p->y_m};

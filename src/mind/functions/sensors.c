@@ -5,12 +5,28 @@
 #include <math.h>
 #include <string.h>
 
+bool sensors_have_body(void *env, const char *function)
+{
+    bool none = inputs_of(environment_mind(env))->body == PERCEPT_NO_BODY;
+    if (none) {
+        value_refuse(env, function, "a body, and this agent has none");
+    }
+    return !none;
+}
+
+/* @return whether there is a percept to give; else the result is () */
+static bool sensors_sensed(void *env, const char *function, DATA_OBJECT *out)
+{
+    EnvSetMultifieldErrorValue(env, out);
+    return sensors_have_body(env, function) &&
+           inputs_of(environment_mind(env))->body == PERCEPT_BODY;
+}
+
 void sensors_position(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
     double values[6];
-    if (!inputs_of(m)->sensed) {
-        EnvSetMultifieldErrorValue(env, out);
+    if (!sensors_sensed(env, "position", out)) {
         return;
     }
     sensors_set_position(&inputs_of(m)->percept, values);
@@ -24,7 +40,9 @@ void sensors_position(void *env, DATA_OBJECT *out)
 
 void sensors_stalled(void *env, DATA_OBJECT *out)
 {
-    value_bool(env, out, inputs_of(environment_mind(env))->percept.stalled);
+    bool held_up = sensors_have_body(env, "stalled") &&
+                   inputs_of(environment_mind(env))->percept.stalled;
+    value_bool(env, out, held_up);
 }
 
 void sensors_sonar(void *env, DATA_OBJECT *out)
@@ -34,6 +52,9 @@ void sensors_sonar(void *env, DATA_OBJECT *out)
     double ranges_mm[MU_SONARS_MAX];
     long long index;
     value_bool(env, out, false);
+    if (!sensors_have_body(env, "sonar")) {
+        return;
+    }
     if (EnvRtnArgCount(env) == 0) {
         for (size_t i = 0; i < count; i++) {
             ranges_mm[i] = (double)inputs_of(m)->percept.sonar_m[i] * 1000;
@@ -116,6 +137,9 @@ void sensors_list(void *env, DATA_OBJECT *out)
     int arguments = EnvRtnArgCount(env);
     long long from = 0, to = (long long)count - 1;
     value_bool(env, out, false);
+    if (!sensors_have_body(env, c->fact)) {
+        return;
+    }
     if (arguments > 0 && (!list_index(env, c, 1, count, &from) ||
                           (arguments == 2 && !list_index(env, c, 2, count, &to)))) {
         return;
@@ -157,7 +181,8 @@ void sensors_camera(void *env, DATA_OBJECT *out)
     const char *color = NULL;
     bool picked[MU_BLOBS_MAX];
     EnvSetMultifieldErrorValue(env, out);
-    if (EnvRtnArgCount(env) == 1 && !value_word(env, "camera", 1, &color)) {
+    if (!sensors_have_body(env, "camera") ||
+        (EnvRtnArgCount(env) == 1 && !value_word(env, "camera", 1, &color))) {
         return;
     }
     for (size_t i = 0; i < p->blob_count; i++) {
@@ -169,15 +194,17 @@ void sensors_camera(void *env, DATA_OBJECT *out)
 
 void sensors_fiducials(void *env, DATA_OBJECT *out)
 {
-    records_give(env, MU_CHANNEL_FIDUCIALS, NULL, out);
+    EnvSetMultifieldErrorValue(env, out);
+    if (sensors_have_body(env, "fiducials")) {
+        records_give(env, MU_CHANNEL_FIDUCIALS, NULL, out);
+    }
 }
 
 void sensors_gps(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
     const struct mu_percept *p = &inputs_of(m)->percept;
-    if (!inputs_of(m)->sensed) {
-        EnvSetMultifieldErrorValue(env, out);
+    if (!sensors_sensed(env, "gps", out)) {
         return;
     }
     double compass_deg = value_norm_deg(p->compass_rad * VALUE_DEG);
@@ -188,8 +215,7 @@ void sensors_odometer(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
     const struct mu_percept *p = &inputs_of(m)->percept;
-    if (!inputs_of(m)->sensed) {
-        EnvSetMultifieldErrorValue(env, out);
+    if (!sensors_sensed(env, "odometer", out)) {
         return;
     }
     double heading_deg = value_norm_deg(p->odometer_heading_rad * VALUE_DEG);
@@ -202,6 +228,10 @@ void sensors_bumpers(void *env, DATA_OBJECT *out)
     uint32_t touched = inputs_of(environment_mind(env))->percept.bumpers;
     double directions_deg[32];
     size_t count = 0;
+    EnvSetMultifieldErrorValue(env, out);
+    if (!sensors_have_body(env, "bumpers")) {
+        return;
+    }
     for (unsigned k = 0; k < 8; k++) {
         if (touched & 1u << k) {
             directions_deg[count++] = value_norm_deg(45.0 * k);
@@ -214,7 +244,8 @@ void sensors_battery(void *env, DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
     value_bool(env, out, false);
-    if (inputs_of(m)->sensed && inputs_of(m)->percept.battery_share >= 0) {
+    if (sensors_have_body(env, "battery") && inputs_of(m)->body == PERCEPT_BODY &&
+        inputs_of(m)->percept.battery_share >= 0) {
         value_float(env, out, inputs_of(m)->percept.battery_share);
     }
 }
@@ -248,6 +279,10 @@ void sensors_gripper(void *env, DATA_OBJECT *out)
                   {"lower", MU_PADDLES_KEEP, MU_LIFT_DOWN}};
     struct mind *m = environment_mind(env);
     const char *word;
+    EnvSetMultifieldErrorValue(env, out);
+    if (!sensors_have_body(env, "gripper")) {
+        return;
+    }
     if (EnvRtnArgCount(env) == 0) {
         gripper_state(env, inputs_of(m)->percept.gripper, out);
         return;

@@ -296,6 +296,9 @@ FUNCTIONS_EXTENSIONS(X)
 
 /* sensors.c */
 
+/** @return whether the mind has a body, or had no step yet; else after a CLIPS error */
+bool sensors_have_body(void *env, const char *function);
+
 /** Reads a plain list of the percept: the row of mu_channels that is the function's context. */
 void sensors_list(void *env, DATA_OBJECT *out);
 

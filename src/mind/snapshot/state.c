@@ -158,7 +158,7 @@ static bool lists_load(struct snapshot *c)
 static void percept_save(struct mind *m, struct mu_text *out)
 {
     const struct mu_percept *p = &inputs_of(m)->percept;
-    mu_text_format(out, "percept %d %llu %d %u %u", inputs_of(m)->sensed,
+    mu_text_format(out, "percept %d %llu %d %u %u", inputs_of(m)->body,
                    (unsigned long long)p->time_ns, p->stalled, p->bumpers, p->gripper);
     for (size_t i = 0; i < MU_READING_COUNT; i++) {
         if (mu_readings[i].type == MU_FIELD_double) {
@@ -176,6 +176,11 @@ static void percept_save(struct mind *m, struct mu_text *out)
         facts_save(m, out, inputs_of(m)->lists[i].facts, percept_fact_count(m, i));
     }
     mu_text_add(out, "\n");
+    if (inputs_of(m)->time_fact) {
+        mu_text_add(out, "time-fact");
+        facts_save(m, out, &inputs_of(m)->time_fact, 1);
+        mu_text_add(out, "\n");
+    }
 }
 
 static bool percept_line_load(struct snapshot *c)
@@ -189,10 +194,10 @@ static bool percept_line_load(struct snapshot *c)
     for (size_t i = 0; i < MU_READING_COUNT && good; i++) {
         good = mu_readings[i].type != MU_FIELD_double || field_load(c, &mu_readings[i], (char *)&p);
     }
-    if (!good || !snapshot_end(c)) {
+    if (!good || n[0] >= PERCEPT_BODIES || !snapshot_end(c)) {
         return false;
     }
-    inputs_of(c->mind)->sensed = n[0] != 0;
+    inputs_of(c->mind)->body = (enum percept_body)n[0];
     p.time_ns = n[1];
     p.stalled = n[2] != 0;
     p.bumpers = (uint32_t)n[3];
@@ -214,7 +219,11 @@ static bool percept_load(struct snapshot *c)
     for (size_t i = 0; i < MU_CHANNEL_COUNT && good && snapshot_more(c); i++) {
         good = facts_load(c, inputs_of(m)->lists[i].facts, percept_fact_count(m, i));
     }
-    return good && snapshot_end(c);
+    good = good && snapshot_end(c);
+    if (!good || !snapshot_line(c, "time-fact")) {
+        return good;
+    }
+    return fact_load(c, &inputs_of(m)->time_fact) && snapshot_end(c);
 }
 
 /* --- mail ------------------------------------------------------------------------------------- */
