@@ -63,10 +63,9 @@ void lifecycle_on_registered(void *self, mu_agent *a, bool accepted, const char 
         pages_enter(r, a);
         return;
     }
-    fprintf(
-        stderr,
-        "muster %s: the broker refuses the name %s: %s; muster lookup %s says where that is\n",
-        mu_kind_text(r->kind), mu_agent_name(a), reason, mu_agent_name(a));
+    fprintf(stderr,
+            "muster %s: the broker refuses the name %s: %s; muster lookup %s says where that is\n",
+            mu_kind_text(r->kind), mu_agent_name(a), reason, mu_agent_name(a));
     r->group->refused = true;
     checkpoint_set_native(r, false); /* another agent has its name, so that no mark stays */
     group_process_leave(r);

@@ -15,9 +15,10 @@ void snapshot_header_add(struct mu_text *out, const struct snapshot_header *p)
     mu_text_format(out,
                    "passport 3 %s %s %s %s %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64
                    " %" PRIu64 " %" PRIu32 " %s %s\n",
-                   mu_kind_text(p->passage.kind), purposes[p->purpose], p->name, mu_state_text(p->state), p->passage.last_number,
-                   p->passage.handed, p->passage.broker, p->passage.epoch, p->mails, p->seed,
-                   p->rules_left, p->asker[0] ? p->asker : "-", p->reply_with);
+                   mu_kind_text(p->passage.kind), purposes[p->purpose], p->name,
+                   mu_state_text(p->state), p->passage.last_number, p->passage.handed,
+                   p->passage.broker, p->passage.epoch, p->mails, p->seed, p->rules_left,
+                   p->asker[0] ? p->asker : "-", p->reply_with);
 }
 
 static bool purpose_read(const char *word, enum migration_purpose *out)

@@ -52,6 +52,7 @@ struct experiment_mark {
     int line, column;
 };
 
+/* A robot, or an agent without a body. */
 struct experiment_robot {
     char *name;
     char *body;  /* a kind that the world defines; NULL: the robot stands in the world file */
@@ -71,10 +72,11 @@ struct experiment_robot {
     unsigned groups_count;
     char **services; /* that it offers from the start: "mapper role=scout" */
     unsigned services_count;
+    bool standby;                /* of an agent: it does not run before it is told to */
     struct experiment_mark mark; /* where the file has it */
 };
 
-/* The robots of one process, which follow each other in the list. */
+/* The agents of one process, which follow each other in the list. */
 struct experiment_crew {
     const char *name;
     unsigned robot, count; /* the first of them, and how many */
@@ -190,9 +192,11 @@ struct experiment {
     unsigned resolvers_count;
     struct experiment_broker broker;
     struct experiment_simulator simulator;
-    struct experiment_robot *robots;
+    struct experiment_robot *robots; /* and, behind them, the agents without a body */
     unsigned robots_count;
-    struct experiment_crew *crews; /* in the robots' order */
+    struct experiment_robot *agents; /* those; no names are the same */
+    unsigned agents_count;
+    struct experiment_crew *crews; /* in the order of both */
     unsigned crews_count;
     struct experiment_monitor *monitors;
     unsigned monitors_count;
@@ -260,7 +264,14 @@ unsigned experiment_event_find(const struct experiment *e, const char *text);
  * are known before the world is, and what is no robot may be a thing.  As condition_names. */
 int experiment_body_find(const void *experiment, const char *name);
 
-/** @return the index of the robot in whose name a part's process runs; -1: the part is none */
+/** @return how many robots and agents without a body there are */
+static inline unsigned experiment_members(const struct experiment *e)
+{
+    return e->robots_count + e->agents_count;
+}
+
+/** @return the index among all of the agent in whose name a part's process runs, below robots_count
+ * for one with a body; -1: the part is none */
 int experiment_robot_find(const struct experiment *e, const char *name);
 
 /**

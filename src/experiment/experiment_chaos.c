@@ -70,6 +70,12 @@ static bool is_part(const struct experiment *e, const char *name)
            experiment_find_host(e, name) < e->hosts_count;
 }
 
+static bool has_body(const struct experiment *e, const char *name)
+{
+    int robot = experiment_robot_find(e, name);
+    return robot >= 0 && (unsigned)robot < e->robots_count;
+}
+
 static mu_result part_check(struct experiment_source *s, const char *name, int node)
 {
     return is_part(s->experiment, name)
@@ -88,7 +94,7 @@ static mu_result object_check(struct experiment_source *s, const struct experime
     case CHAOS_BODY: return MU_OK; /* it may be a thing: the run knows when it has the world */
     case CHAOS_PART: return part_check(s, c->who, child);
     case CHAOS_ROBOT:
-        return experiment_robot_find(s->experiment, c->who) >= 0
+        return has_body(s->experiment, c->who)
                    ? MU_OK
                    : experiment_fault(s, NULL, child, "no robot '%.80s' in this experiment",
                                       c->who);

@@ -265,6 +265,9 @@ static mu_result check_host(struct experiment_source *s, const struct experiment
         return experiment_fault(s, NULL, host, "no host '%.80s' in this experiment's hosts",
                                 robot->host);
     }
+    if (robot->standby) {
+        return experiment_fault(s, NULL, host, "expected a host, or standby, not both");
+    }
     if (robot->broker || yaml_tree_child(s->tree, node, "processes")) {
         return experiment_fault(s, NULL, host,
                                 "expected a host, or processes and a broker, not both");
@@ -311,7 +314,7 @@ static mu_result check_death(struct experiment_source *s, struct experiment_robo
 static mu_result check_robot(struct experiment_source *s, size_t index)
 {
     struct experiment_robot *robot = &s->experiment->robots[index];
-    int node = experiment_item(s, "robots", index);
+    int node = experiment_member(s, index);
     int name = yaml_tree_child(s->tree, node, "name");
     if (!mu_name_valid(robot->name)) {
         return experiment_fault(s, NULL, name,
@@ -323,7 +326,9 @@ static mu_result check_robot(struct experiment_source *s, size_t index)
         return experiment_fault(s, NULL, name, "the name '%s' is reserved", robot->name);
     }
     if (experiment_find_robot(s->experiment, robot->name) != robot) {
-        return experiment_fault(s, NULL, name, "a second robot with the name '%s'", robot->name);
+        return experiment_fault(s, NULL, name, "a second %s with the name '%s'",
+                                index < s->experiment->robots_count ? "robot" : "robot or agent",
+                                robot->name);
     }
     MU_TRY(check_place(s, robot, node));
     MU_TRY(check_globals(s, robot, node));
@@ -430,7 +435,7 @@ mu_result experiment_check(struct experiment_source *source)
     MU_TRY(check_top(source));
     MU_TRY(check_simulator(source));
     MU_TRY(check_resolvers(source));
-    for (size_t i = 0; i < e->robots_count; i++) {
+    for (size_t i = 0; i < experiment_members(e); i++) {
         MU_TRY(check_robot(source, i));
     }
     MU_TRY(check_hosts(source));

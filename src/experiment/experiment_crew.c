@@ -16,7 +16,7 @@ static unsigned crew_robots(const struct experiment_robot *robot)
 static mu_result crew_check(struct experiment_source *s, size_t index)
 {
     const struct experiment_robot *robot = &s->experiment->robots[index];
-    int node = experiment_item(s, "robots", index);
+    int node = experiment_member(s, index);
     int count = yaml_tree_child(s->tree, node, "count");
     int processes = yaml_tree_child(s->tree, node, "processes");
     if (count && (robot->count < 1 || robot->count > MU_ROBOTS_MAX)) {
@@ -41,19 +41,22 @@ static mu_result crew_check(struct experiment_source *s, size_t index)
     return MU_OK;
 }
 
-/* @return how many robots and processes all entries amount to, in one of each */
-static mu_result crew_count(struct experiment_source *s, size_t *robots, size_t *crews)
+/* @return how many robots, agents and processes all entries amount to, in one of each */
+static mu_result crew_count(struct experiment_source *s, size_t *robots, size_t *agents,
+                            size_t *crews)
 {
     const struct experiment *e = s->experiment;
-    *robots = *crews = 0;
-    for (size_t i = 0; i < e->robots_count; i++) {
+    *robots = *agents = *crews = 0;
+    for (size_t i = 0; i < experiment_members(e); i++) {
+        bool has_body = i < e->robots_count;
+        size_t *members = has_body ? robots : agents;
         MU_TRY(crew_check(s, i));
-        *robots += crew_robots(&e->robots[i]);
+        *members += crew_robots(&e->robots[i]);
         *crews += e->robots[i].processes > 0 ? e->robots[i].processes : 1;
-        if (*robots > MU_ROBOTS_MAX) {
-            return experiment_fault(s, NULL, experiment_item(s, "robots", i),
-                                    "expected at most %d robots in all entries together",
-                                    MU_ROBOTS_MAX);
+        if (*members > MU_ROBOTS_MAX) {
+            return experiment_fault(s, NULL, experiment_member(s, i),
+                                    "expected at most %d %s in all entries together", MU_ROBOTS_MAX,
+                                    has_body ? "robots" : "agents");
         }
     }
     return MU_OK;
@@ -89,8 +92,9 @@ static mu_result crew_names_differ(struct experiment_source *s, const struct exp
     const struct experiment *e = s->experiment;
     for (const struct experiment_robot *other = e->robots; other < one; other++) {
         if (strcmp(other->name, one->name) == 0) {
-            return experiment_fault(s, NULL, experiment_item(s, "robots", entry),
-                                    "a second robot with the name '%s'", one->name);
+            return experiment_fault(s, NULL, experiment_member(s, entry),
+                                    "a second %s with the name '%s'",
+                                    one < e->agents ? "robot" : "robot or agent", one->name);
         }
     }
     return MU_OK;
@@ -100,16 +104,18 @@ mu_result experiment_multiply(struct experiment_source *source)
 {
     struct experiment *e = source->experiment;
     const struct experiment_robot *entries = e->robots;
-    unsigned entries_count = e->robots_count;
-    size_t robots, crews;
-    MU_TRY(crew_count(source, &robots, &crews));
-    e->robots = mu_startup_array(robots, sizeof *e->robots);
+    unsigned entries_count = experiment_members(e), count = 0;
+    size_t robots, agents, crews;
+    MU_TRY(crew_count(source, &robots, &agents, &crews));
+    e->robots = mu_startup_array(robots + agents, sizeof *e->robots);
+    e->agents = e->robots + robots;
     e->crews = mu_startup_array(crews, sizeof *e->crews);
-    e->robots_count = 0;
+    e->robots_count = (unsigned)robots;
+    e->agents_count = (unsigned)agents;
     for (unsigned i = 0; i < entries_count; i++) {
-        crew_divide(e, &entries[i], e->robots_count);
+        crew_divide(e, &entries[i], count);
         for (unsigned k = 0; k < crew_robots(&entries[i]); k++) {
-            struct experiment_robot *robot = &e->robots[e->robots_count++];
+            struct experiment_robot *robot = &e->robots[count++];
             *robot = entries[i];
             robot->name = crew_name(&entries[i], k);
             MU_TRY(crew_names_differ(source, robot, i));

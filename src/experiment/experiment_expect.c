@@ -51,7 +51,8 @@ static mu_result check_near(struct experiment_source *s, struct experiment_expec
     int near = yaml_tree_child(s->tree, node, "near");
     const char *names[] = {expect->near_robot, expect->near_mate};
     for (size_t i = 0; i < 2; i++) {
-        if (!experiment_find_robot(e, names[i])) {
+        int robot = experiment_robot_find(e, names[i]);
+        if (robot < 0 || (unsigned)robot >= e->robots_count) {
             return experiment_fault(s, NULL, yaml_tree_item(s->tree, near, i),
                                     "no robot '%.80s' in this experiment", names[i]);
         }

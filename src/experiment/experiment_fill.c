@@ -52,6 +52,16 @@ static char *fill_name(const char *path)
     return name;
 }
 
+/* Puts the agents without a body behind the robots, in one list. */
+static void fill_members(struct experiment *e)
+{
+    struct experiment_robot *all = mu_startup_array(experiment_members(e), sizeof *all);
+    memcpy(all, e->robots, e->robots_count * sizeof *all);
+    memcpy(all + e->robots_count, e->agents, e->agents_count * sizeof *all);
+    e->robots = all;
+    e->agents = all + e->robots_count;
+}
+
 mu_result experiment_fill(struct experiment_source *source)
 {
     struct experiment *e = source->experiment;
@@ -59,8 +69,13 @@ mu_result experiment_fill(struct experiment_source *source)
     if (!e->name) {
         e->name = fill_name(source->path);
     }
-    for (size_t i = 0; i < e->robots_count; i++) {
-        int node = experiment_item(source, "robots", i);
+    if (experiment_members(e) == 0) {
+        return yaml_tree_fault(source->tree, yaml_tree_root(source->tree), source->fault,
+                               "expected robots, or agents");
+    }
+    fill_members(e);
+    for (size_t i = 0; i < experiment_members(e); i++) {
+        int node = experiment_member(source, i);
         e->robots[i].mark = experiment_mark(source, node);
         MU_TRY(fill_globals(source, &e->robots[i], node));
     }

@@ -6,7 +6,7 @@
 
 const struct experiment_robot *experiment_find_robot(const struct experiment *e, const char *name)
 {
-    for (unsigned i = 0; i < e->robots_count; i++) {
+    for (unsigned i = 0; i < experiment_members(e); i++) {
         if (strcmp(e->robots[i].name, name) == 0) {
             return &e->robots[i];
         }
@@ -45,7 +45,7 @@ int experiment_body_find(const void *experiment, const char *name)
 {
     const struct experiment *e = experiment;
     int robot = experiment_robot_find(e, name);
-    return robot >= 0 ? robot : (int)e->robots_count;
+    return robot >= 0 ? robot : (int)experiment_members(e);
 }
 
 static const char *const statistic_names[STATISTICS] = {
@@ -83,6 +83,14 @@ static enum experiment_statistic statistic_among(const char *name, unsigned firs
     return STATISTICS;
 }
 
+/* @return whether the statistic is one of a robot, or of an agent without a body */
+static bool statistic_is_had(const struct experiment *e, unsigned index,
+                             enum experiment_statistic statistic)
+{
+    bool of_mind = statistic >= STATISTIC_MAIL_SENT && statistic <= STATISTIC_RULE_FIRINGS;
+    return statistic != STATISTICS && (index < e->robots_count || of_mind);
+}
+
 /* @return what stands behind NAME. in a statistic's name, or NULL */
 static const char *statistic_behind(const char *text, const char *name)
 {
@@ -96,9 +104,10 @@ enum experiment_statistic experiment_statistic_find(const struct experiment *e, 
     enum experiment_statistic found = statistic_among(name, STATISTIC_SIM_TIME, STATISTICS);
     const char *rest = statistic_behind(name, "robots");
     *robot = rest ? EXPERIMENT_ALL_ROBOTS : EXPERIMENT_NO_ROBOT;
-    for (unsigned i = 0; found == STATISTICS && !rest && i < e->robots_count; i++) {
+    for (unsigned i = 0; found == STATISTICS && !rest && i < experiment_members(e); i++) {
         const char *behind = statistic_behind(name, e->robots[i].name);
-        bool known = behind && statistic_among(behind, 0, STATISTIC_SIM_TIME) != STATISTICS;
+        bool known =
+            behind && statistic_is_had(e, i, statistic_among(behind, 0, STATISTIC_SIM_TIME));
         rest = known ? behind : NULL; /* names have dots, too */
         *robot = known ? (int)i : *robot;
     }

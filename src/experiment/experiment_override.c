@@ -58,17 +58,38 @@ static bool override_names(const char *key, const char *name)
     return strncmp(key, name, len) == 0 && key[len] == '.';
 }
 
+/* The lists of agents that --set knows: "robots.NAME.", "agents.NAME.". */
+struct override_list {
+    const char *key;
+    size_t len; /* of "robots." */
+    struct experiment_robot *at;
+    unsigned count;
+};
+
+/* @return the list that a key is about; at NULL: none */
+static struct override_list override_list_of(const struct experiment *e, const char *key)
+{
+    const struct override_list lists[] = {{"robots", 7, e->robots, e->robots_count},
+                                          {"agents", 7, e->agents, e->agents_count}};
+    for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
+        if (override_names(key, lists[i].key)) {
+            return lists[i];
+        }
+    }
+    return (struct override_list){.at = NULL};
+}
+
 /* Names of robots may have dots, so each is tried. */
-static const struct yaml_key *override_find_robots(struct experiment *e, const char *key,
-                                                   void **field)
+static const struct yaml_key *override_find_robots(const struct override_list *list,
+                                                   const char *key, void **field)
 {
     const struct yaml_key *robots = experiment_schema;
-    while (strcmp(robots->key, "robots") != 0) {
+    while (strcmp(robots->key, list->key) != 0) {
         robots++;
     }
     const struct yaml_key *found = NULL;
-    for (unsigned i = 0; i < e->robots_count && !found; i++) {
-        struct experiment_robot *robot = &e->robots[i];
+    for (unsigned i = 0; i < list->count && !found; i++) {
+        struct experiment_robot *robot = &list->at[i];
         if (!override_names(key, robot->name)) {
             continue;
         }
@@ -83,14 +104,14 @@ static const struct yaml_key *override_find_robots(struct experiment *e, const c
 }
 
 /* Lists what may be set, and looks among it for what was meant. */
-static void override_list(const struct yaml_key *keys, const char *before, struct mu_text *list,
-                          struct mu_spell *meant)
+static void override_add(const struct yaml_key *keys, const char *before, struct mu_text *list,
+                         struct mu_spell *meant)
 {
     for (const struct yaml_key *k = keys; k->key; k++) {
         char inside[64];
         snprintf(inside, sizeof inside, "%s%s.", k->key, k->max ? ".NAME" : "");
         if (k->kind == YAML_KEY_KEYS) {
-            override_list(k->keys, inside, list, meant);
+            override_add(k->keys, inside, list, meant);
         } else if (k->set) {
             mu_text_format(list, "%s%s, ", before, k->key);
             mu_spell_offer(meant, k->key);
@@ -99,27 +120,28 @@ static void override_list(const struct yaml_key *keys, const char *before, struc
 }
 
 /* Refuses a key of a robot that the experiment does not have: NAME.KEY. */
-static mu_result override_no_robot(struct experiment_source *s, const char *set, const char *key)
+static mu_result override_no_robot(struct experiment_source *s, const char *set,
+                                   const struct override_list *list, const char *key)
 {
-    const struct experiment *e = s->experiment;
     struct mu_spell meant;
     char name[MU_NAME_MAX + 1];
     snprintf(name, sizeof name, "%.*s", (int)strcspn(key, "."), key);
     mu_spell_init(&meant, name);
-    for (unsigned i = 0; i < e->robots_count; i++) {
-        if (override_names(key, e->robots[i].name)) {
+    for (unsigned i = 0; i < list->count; i++) {
+        if (override_names(key, list->at[i].name)) {
             return MU_OK;
         }
-        mu_spell_offer(&meant, e->robots[i].name);
+        mu_spell_offer(&meant, list->at[i].name);
     }
-    return experiment_fault(s, set, 0, "no robot '%s' in this experiment%s%s%s", name,
+    return experiment_fault(s, set, 0, "no %.5s '%s' in this experiment%s%s%s", list->key, name,
                             meant.nearest ? "; did you mean '" : "",
                             meant.nearest ? meant.nearest : "", meant.nearest ? "'?" : "");
 }
 
 static mu_result override_unknown(struct experiment_source *s, const char *set, const char *key)
 {
-    mu_result known = strncmp(key, "robots.", 7) == 0 ? override_no_robot(s, set, key + 7) : MU_OK;
+    struct override_list list = override_list_of(s->experiment, key);
+    mu_result known = list.at ? override_no_robot(s, set, &list, key + list.len) : MU_OK;
     if (known != MU_OK) {
         return known;
     }
@@ -128,7 +150,7 @@ static mu_result override_unknown(struct experiment_source *s, const char *set, 
     struct mu_spell meant;
     const char *dot = strrchr(key, '.');
     mu_spell_init(&meant, dot ? dot + 1 : key);
-    override_list(experiment_schema, "", &keys, &meant);
+    override_add(experiment_schema, "", &keys, &meant);
     return experiment_fault(s, set, 0,
                             "expected KEY=VALUE with one of the keys %srobots.NAME.globals.NAME"
                             "%s%s%s",
@@ -151,10 +173,10 @@ mu_result experiment_override(struct experiment_source *source, const char *set)
         return MU_FAULT_USAGE;
     }
     void *field = NULL;
+    const struct override_list list = override_list_of(e, buffer);
     const struct yaml_key *found =
-        strncmp(buffer, "robots.", 7) == 0
-            ? override_find_robots(e, buffer + 7, &field)
-            : override_find(experiment_schema, buffer, (char *)e, &field);
+        list.at ? override_find_robots(&list, buffer + list.len, &field)
+                : override_find(experiment_schema, buffer, (char *)e, &field);
     override_note(source, found ? field : set, set);
     if (!found) {
         return override_unknown(source, set, buffer);

@@ -50,6 +50,22 @@ static const struct yaml_key schema_robot[] = {
     {.key = NULL},
 };
 
+static const struct yaml_key schema_agent[] = {
+    {"name", AT(TEXT, experiment_robot, name), .needed = true},
+    {"count", AT(COUNT, experiment_robot, count)},
+    {"processes", AT(COUNT, experiment_robot, processes)},
+    {"rules", AT(TEXT, experiment_robot, rules), .needed = true, .set = true},
+    {"standby", AT(BOOL, experiment_robot, standby)},
+    {"host", AT(TEXT, experiment_robot, host)},
+    {"broker", AT(TEXT, experiment_robot, broker)},
+    {"on-crash", ON_CRASH(experiment_robot)},
+    {"checkpoint", AT(REAL, experiment_robot, checkpoint_s), .set = true},
+    {"globals", .kind = YAML_KEY_ANY},
+    {"groups", LIST(TEXT, experiment_robot, groups, EXPERIMENT_GROUPS_MAX)},
+    {"services", LIST(TEXT, experiment_robot, services, EXPERIMENT_GROUPS_MAX)},
+    {.key = NULL},
+};
+
 static const struct yaml_key schema_monitor[] = {
     {"name", AT(TEXT, experiment_monitor, name)},
     {"rules", AT(TEXT, experiment_monitor, rules)},
@@ -140,8 +156,8 @@ const struct yaml_key experiment_schema[] = {
     {"broker", AT(KEYS, experiment, broker), .keys = schema_broker},
     {"simulator", AT(KEYS, experiment, simulator), .keys = schema_simulator},
     {"policy", AT(TEXT, experiment, policy), .set = true},
-    {"robots", LIST(KEYS, experiment, robots, MU_ROBOTS_MAX), .min = 1, .needed = true,
-     .keys = schema_robot},
+    {"robots", LIST(KEYS, experiment, robots, MU_ROBOTS_MAX), .min = 1, .keys = schema_robot},
+    {"agents", LIST(KEYS, experiment, agents, MU_ROBOTS_MAX), .min = 1, .keys = schema_agent},
     {"monitors", LIST(KEYS, experiment, monitors, EXPERIMENT_MONITORS_MAX), .keys = schema_monitor},
     {"observer", LIST(KEYS, experiment, observer, EXPERIMENT_COMMANDS_MAX), .keys = schema_command},
     {"expect", LIST(KEYS, experiment, expect, EXPERIMENT_EXPECTATIONS_MAX),

@@ -50,6 +50,13 @@ int experiment_item(struct experiment_source *s, const char *key, size_t index)
     return yaml_tree_item(s->tree, experiment_section(s, key), index);
 }
 
+int experiment_member(struct experiment_source *s, size_t index)
+{
+    size_t robots = yaml_tree_count(s->tree, experiment_section(s, "robots"));
+    return index < robots ? experiment_item(s, "robots", index)
+                          : experiment_item(s, "agents", index - robots);
+}
+
 bool experiment_overridden(const struct experiment_source *s, const void *field)
 {
     for (size_t i = 0; i < s->overrides_count; i++) {

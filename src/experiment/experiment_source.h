@@ -40,6 +40,8 @@ MU_MUST_USE mu_result experiment_check(struct experiment_source *source);
  * name (its index, or how many there are), and whether --set has set a field. */
 int experiment_section(struct experiment_source *s, const char *key);
 int experiment_item(struct experiment_source *s, const char *key, size_t index);
+/* An entry of robots or, behind them, of agents. */
+int experiment_member(struct experiment_source *s, size_t index);
 const struct experiment_robot *experiment_find_robot(const struct experiment *e, const char *name);
 unsigned experiment_find_broker(const struct experiment *e, const char *name);
 unsigned experiment_find_host(const struct experiment *e, const char *name);

@@ -16,8 +16,10 @@ static struct mu_option own[] = {
                .fallback = "1000000", .min = 1000, .max = 1000000),
     MU_LIST("robot", "NAME=FILE", options.natives,
             "a robot that begins here, and its rules; may stand several times"),
+    MU_LIST("agent", "NAME=FILE", options.bodiless,
+            "likewise an agent without a body, which runs from the start"),
     MU_LIST("global", "NAME.G=VALUE", options.globals,
-            "set a global of such a robot, for example red.mate=blue"),
+            "set a global of one of these, for example red.mate=blue"),
 };
 
 mu_result host_options_read(const struct host_options **out, int argc, char **argv)

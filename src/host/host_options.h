@@ -13,7 +13,8 @@ struct host_options {
     int64_t agents;                     /* that there is room for */
     int64_t bytes;                      /* of a snapshot, at most */
     struct mu_option_list take;         /* patterns of names; none: every name */
-    struct mu_option_list natives;      /* "NAME=FILE": agents that begin here, and their rules */
+    struct mu_option_list natives;      /* "NAME=FILE": robots that begin here, and their rules */
+    struct mu_option_list bodiless;     /* likewise: agents without a body */
     struct mu_option_list globals;      /* of such: "NAME.G=VALUE" */
 };
 

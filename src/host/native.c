@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Robots that begin on a host: --robot NAME=FILE. */
+/* Agents that begin on a host: --robot NAME=FILE, --agent NAME=FILE. */
 #include "core/name.h"
 #include "core/text.h"
 #include "host/host.h"
@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* Takes the name off NAME=FILE.  @return the file, or NULL: it is not that */
-static const char *native_read(const char *word, char name[MU_NAME_MAX + 1])
+static const char *native_read(enum mu_kind kind, const char *word, char name[MU_NAME_MAX + 1])
 {
     char shown[MU_TEXT_SHOWN];
     const char *equals = strchr(word, '=');
@@ -20,7 +20,8 @@ static const char *native_read(const char *word, char name[MU_NAME_MAX + 1])
             return equals + 1;
         }
     }
-    fprintf(stderr, "muster host --robot %s: expected NAME=FILE\n", mu_text_show(shown, word));
+    fprintf(stderr, "muster host --%s %s: expected NAME=FILE\n", mu_kind_text(kind),
+            mu_text_show(shown, word));
     return NULL;
 }
 
@@ -53,9 +54,8 @@ static mu_result mind_make(struct host *h, struct robot *r, const char *file)
     return globals_set(h, r);
 }
 
-bool natives_have(const struct host *h, const char *name)
+static bool list_has(const struct mu_option_list *natives, const char *name)
 {
-    const struct mu_option_list *natives = &h->set->natives;
     size_t len = strlen(name);
     bool have = false;
     for (size_t i = 0; i < natives->count; i++) {
@@ -65,29 +65,44 @@ bool natives_have(const struct host *h, const char *name)
     return have;
 }
 
+bool natives_have(const struct host *h, const char *name)
+{
+    return list_has(&h->set->natives, name) || list_has(&h->set->bodiless, name);
+}
+
+/* Begins one, unless it comes back from its checkpoint, or is not to. */
+static mu_result native_begin(struct host *h, enum mu_kind kind, const char *word, struct robot *r)
+{
+    const struct checkpoint_options *set = &h->set->robots->checkpoints;
+    const char *file = native_read(kind, word, r->name);
+    if (!file) {
+        return MU_FAULT_USAGE;
+    }
+    if (set->restore &&
+        (checkpoint_is_there(&h->group, r->name) || checkpoint_is_gone(&h->group, r->name))) {
+        return MU_OK;
+    }
+    r->kind = kind;
+    robot_state_enter(&r->state, ROBOT_BEGINS);
+    checkpoint_set_native(r, true);
+    MU_TRY(mind_make(h, r, file));
+    return agent_join(r);
+}
+
 mu_result natives_begin(struct host *h)
 {
-    const struct mu_option_list *natives = &h->set->natives;
-    const struct checkpoint_options *set = &h->set->robots->checkpoints;
-    if (natives->count > h->group.count) {
+    const struct mu_option_list *robots = &h->set->natives, *agents = &h->set->bodiless;
+    struct robot *places = h->group.robots;
+    if (robots->count + agents->count > h->group.count) {
         fprintf(stderr, "muster host: there is room for %u agents (--agents)\n",
                 (unsigned)h->group.count);
         return MU_FAULT_USAGE;
     }
-    for (size_t i = 0; i < natives->count; i++) {
-        struct robot *r = &h->group.robots[i];
-        const char *file = native_read(natives->items[i], r->name);
-        if (!file) {
-            return MU_FAULT_USAGE;
-        }
-        if (set->restore &&
-            (checkpoint_is_there(&h->group, r->name) || checkpoint_is_gone(&h->group, r->name))) {
-            continue; /* it comes back from there, or is not to */
-        }
-        robot_state_enter(&r->state, ROBOT_BEGINS);
-        checkpoint_set_native(r, true);
-        MU_TRY(mind_make(h, r, file));
-        MU_TRY(agent_join(r));
+    for (size_t i = 0; i < robots->count; i++) {
+        MU_TRY(native_begin(h, MU_KIND_ROBOT, robots->items[i], &places[i]));
+    }
+    for (size_t i = 0; i < agents->count; i++) {
+        MU_TRY(native_begin(h, MU_KIND_AGENT, agents->items[i], &places[robots->count + i]));
     }
     return MU_OK;
 }

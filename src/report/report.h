@@ -74,6 +74,8 @@ struct report_input {
     size_t overrides_count;
     const struct report_robot *robots; /* in the order of run.csv */
     size_t robots_count;
+    const struct report_robot *agents; /* without a body, in the order of the experiment */
+    size_t agents_count;
     const struct report_object *objects;
     size_t objects_count;
     struct report_mail mail;

@@ -85,6 +85,25 @@ static void html_robots(FILE *file, const struct report_data *data)
     fputs("</table></div>\n", file);
 }
 
+static void html_agents(FILE *file, const struct report_input *input)
+{
+    if (input->agents_count == 0) {
+        return;
+    }
+    fputs("<h2>Agents without a body</h2>\n<div class=\"wide\"><table "
+          "class=\"many\">\n<tr><th>agent</th><th>mail sent</th><th>received</th>"
+          "<th>rule firings</th></tr>\n",
+          file);
+    for (size_t i = 0; i < input->agents_count; i++) {
+        const struct report_robot *agent = &input->agents[i];
+        fputs("<tr><td>", file);
+        svg_escape(file, agent->name);
+        fprintf(file, "</td><td>%" PRIu64 "</td><td>%" PRIu64 "</td><td>%" PRIu64 "</td></tr>\n",
+                agent->mail_sent, agent->mail_received, agent->rule_firings);
+    }
+    fputs("</table></div>\n", file);
+}
+
 static void html_fact(FILE *file, const char *what, const char *value)
 {
     fprintf(file, "<dt>%s</dt><dd>", what);
@@ -234,6 +253,7 @@ void report_write_html(FILE *file, const struct report_data *data, const char *f
     report_write_bearing(file, data);
     fputs("</figure>\n", file);
     html_robots(file, data);
+    html_agents(file, data->input);
     html_monitors(file, data->input);
     html_facts(file, data);
     html_files(file, folder);

@@ -7,6 +7,14 @@
 #include <math.h>
 #include <stdio.h>
 
+/* What a mind does, with a body or without. */
+static void json_add_agent(struct mu_json *j, const struct report_robot *agent)
+{
+    mu_json_uint(j, "mail_sent", agent->mail_sent);
+    mu_json_uint(j, "mail_received", agent->mail_received);
+    mu_json_uint(j, "rule_firings", agent->rule_firings);
+}
+
 static void json_write_robots(struct mu_json *j, const struct report_data *data)
 {
     mu_json_list(j, "robots");
@@ -19,14 +27,27 @@ static void json_write_robots(struct mu_json *j, const struct report_data *data)
         mu_json_uint(j, "stalls", result->stalls);
         mu_json_real(j, "stalled_s", result->stalled_s);
         mu_json_real(j, "mean_speed_m_s", result->mean_speed_m_s);
-        mu_json_uint(j, "mail_sent", robot->mail_sent);
-        mu_json_uint(j, "mail_received", robot->mail_received);
-        mu_json_uint(j, "rule_firings", robot->rule_firings);
+        json_add_agent(j, robot);
         mu_json_object(j, "final");
         mu_json_real(j, "x_m", result->final_x_m);
         mu_json_real(j, "y_m", result->final_y_m);
         mu_json_real(j, "heading_rad", result->final_heading_rad);
         mu_json_end(j);
+        mu_json_end(j);
+    }
+    mu_json_end(j);
+}
+
+static void json_write_agents(struct mu_json *j, const struct report_input *input)
+{
+    if (input->agents_count == 0) {
+        return;
+    }
+    mu_json_list(j, "agents");
+    for (size_t i = 0; i < input->agents_count; i++) {
+        mu_json_object(j, NULL);
+        mu_json_string(j, "name", input->agents[i].name);
+        json_add_agent(j, &input->agents[i]);
         mu_json_end(j);
     }
     mu_json_end(j);
@@ -186,6 +207,7 @@ void report_write_json(FILE *file, const struct report_data *data)
     mu_json_real(&j, "real_time_factor",
                  input->wall_time_s > 0 ? input->sim_time_s / input->wall_time_s : 0);
     json_write_robots(&j, data);
+    json_write_agents(&j, input);
     json_write_objects(&j, input);
     mu_json_real(&j, "explored_fraction", data->result->explored_fraction);
     mu_json_string(&j, "most_efficient", data->result->most_efficient);

@@ -5,20 +5,28 @@
 #include <math.h>
 #include <string.h>
 
+/* What its mind did. */
+static double of_agent(const struct report_robot *agent, enum experiment_statistic statistic)
+{
+    return (double)(statistic == STATISTIC_MAIL_SENT       ? agent->mail_sent
+                    : statistic == STATISTIC_MAIL_RECEIVED ? agent->mail_received
+                                                           : agent->rule_firings);
+}
+
 /* run.csv has the robots in the order of the world, the experiment in its own. */
 static double of_robot(const struct report_data *data, enum experiment_statistic statistic,
                        size_t index)
 {
     const struct report_robot *robot = &data->input->robots[index];
     const struct report_robot_result *result = &data->result->robots[index];
+    if (statistic >= STATISTIC_MAIL_SENT && statistic <= STATISTIC_RULE_FIRINGS) {
+        return of_agent(robot, statistic);
+    }
     const double values[STATISTIC_SIM_TIME] = {
         [STATISTIC_DISTANCE] = result->distance_m,
         [STATISTIC_STALLS] = result->stalls,
         [STATISTIC_STALLED] = result->stalled_s,
         [STATISTIC_MEAN_SPEED] = result->mean_speed_m_s,
-        [STATISTIC_MAIL_SENT] = (double)robot->mail_sent,
-        [STATISTIC_MAIL_RECEIVED] = (double)robot->mail_received,
-        [STATISTIC_RULE_FIRINGS] = (double)robot->rule_firings,
         [STATISTIC_FINAL_X] = result->final_x_m,
         [STATISTIC_FINAL_Y] = result->final_y_m,
         [STATISTIC_FINAL_HEADING] = result->final_heading_rad,
@@ -53,8 +61,13 @@ double report_statistic(const struct report_data *data, enum experiment_statisti
     if (statistic >= STATISTIC_SIM_TIME) {
         return of_run(data, statistic);
     }
+    const char *name = robot >= 0 ? data->input->experiment->robots[robot].name : NULL;
+    for (size_t i = 0; name && i < data->input->agents_count; i++) {
+        if (strcmp(data->input->agents[i].name, name) == 0) {
+            return of_agent(&data->input->agents[i], statistic);
+        }
+    }
     for (size_t i = 0; i < data->input->robots_count; i++) {
-        const char *name = robot >= 0 ? data->input->experiment->robots[robot].name : NULL;
         if (name && strcmp(data->input->robots[i].name, name) == 0) {
             return of_robot(data, statistic, i);
         }

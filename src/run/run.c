@@ -32,7 +32,8 @@ struct run_part run_part_of(const struct run *r, const struct child *child)
 char *run_robot_name(const struct run *r, const char *name)
 {
     struct world_robot *robot = world_find_robot(r->world, name);
-    return robot ? robot->name : NULL;
+    int agent = robot ? -1 : experiment_robot_find(r->experiment, name);
+    return robot ? robot->name : agent >= 0 ? r->experiment->robots[agent].name : NULL;
 }
 
 bool run_pages_own(const struct run *r, const struct experiment_robot *robot)

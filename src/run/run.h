@@ -52,6 +52,8 @@ struct run_part {
 /* What happened to what the experiment named: so many things are told of. */
 enum { RUN_UNDONE_MAX = 64 };
 
+enum { RUN_TOTALS_MAX = 2 * MU_ROBOTS_MAX }; /* of robots, and of agents without a body */
+
 struct run_observer;
 struct run_inputs;
 struct chaos;
@@ -89,7 +91,8 @@ struct run {
     muster_RunState state;
     uint64_t time_ns, wall_ns, skipped;
     char waits_for[1024], hash[MU_FIELD_MAX + 2];
-    muster_RobotTotals totals[MU_ROBOTS_MAX]; /* robot: a name of the world, or NULL */
+    muster_RobotTotals
+        totals[RUN_TOTALS_MAX]; /* robot: a name of the world or of an agent, or NULL */
     uint32_t totals_count;
     struct world_pose *objects; /* where they are at the end, in the world's order */
     size_t objects_count;       /* 0: the run has not ended */

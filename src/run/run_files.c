@@ -165,7 +165,7 @@ void run_files_find(struct run *r)
     for (size_t i = 0; i < r->world->source->files_count; i++) {
         file_add(&f, "world", r->world->source->files[i]);
     }
-    for (unsigned i = 0; i < e->robots_count; i++) {
+    for (unsigned i = 0; i < experiment_members(e); i++) {
         file_add(&f, "rules", e->robots[i].rules);
     }
     for (unsigned i = 0; i < e->observer_count; i++) {

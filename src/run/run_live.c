@@ -73,7 +73,7 @@ static mu_result experiment_prepare(struct run *r, struct mu_fault *fault)
     r->options.free = r->options.free || e->free;
     e->seed = r->options.seed >= 0 ? (uint64_t)r->options.seed : e->seed;
     e->duration = r->options.duration_s >= 0.0 ? r->options.duration_s : e->duration;
-    for (unsigned i = 0; i < e->robots_count && !r->options.free; i++) {
+    for (unsigned i = 0; i < experiment_members(e) && !r->options.free; i++) {
         if (e->robots[i].broker) {
             *fault = e->robots[i].broker_fault;
             return MU_FAULT_FILE;
@@ -201,6 +201,15 @@ static mu_result network_join(struct run *r)
 
 /* --- what comes in ---------------------------------------------------------------------------- */
 
+static void totals_take(struct run *r, const dds_sequence_muster_RobotTotals *totals)
+{
+    for (uint32_t i = 0; i < totals->_length && r->totals_count < RUN_TOTALS_MAX; i++) {
+        muster_RobotTotals *to = &r->totals[r->totals_count++];
+        *to = totals->_buffer[i];
+        to->robot = run_robot_name(r, totals->_buffer[i].robot);
+    }
+}
+
 static void status_take(struct run *r, const muster_RunStatus *s)
 {
     mu_text_copy(r->simulator, sizeof r->simulator, s->simulator);
@@ -211,11 +220,9 @@ static void status_take(struct run *r, const muster_RunStatus *s)
     r->skipped = s->skipped;
     mu_text_copy(r->waits_for, sizeof r->waits_for, s->waits_for);
     mu_text_copy(r->hash, sizeof r->hash, s->hash);
-    r->totals_count = s->robots._length;
-    for (uint32_t i = 0; i < r->totals_count; i++) {
-        r->totals[i] = s->robots._buffer[i];
-        r->totals[i].robot = run_robot_name(r, s->robots._buffer[i].robot);
-    }
+    r->totals_count = 0;
+    totals_take(r, &s->robots);
+    totals_take(r, &s->agents);
     run_objects_take(r, s->objects._buffer, s->objects._length);
 }
 
@@ -317,13 +324,15 @@ static bool simulator_silent(struct run *r)
     return r->simulator[0] && r->silent_ns > SILENCE_NS;
 }
 
-/* @return whether a robot lives in a child, of the experiment or one that came since */
+/* @return whether a robot lives in a child, or an agent of the experiment */
 static bool child_has_robots(const struct run *r, const struct child *child)
 {
     const struct mu_member *m;
     bool has = false;
     for (size_t i = 0; !has && (m = mu_process_member(r->process, i)); i++) {
-        has = m->kind == MU_KIND_ROBOT && m->pid == (uint32_t)child->pid && m->state != MU_GONE;
+        bool counts =
+            m->kind == MU_KIND_ROBOT || experiment_robot_find(r->experiment, m->name) >= 0;
+        has = counts && m->pid == (uint32_t)child->pid && m->state != MU_GONE;
     }
     return has;
 }
@@ -388,7 +397,8 @@ static int round_live(struct run *r)
 
 static int start_patience(const struct run *r)
 {
-    uint64_t patience_ns = START_PATIENCE_NS + r->experiment->robots_count * START_PATIENCE_EACH_NS;
+    uint64_t patience_ns =
+        START_PATIENCE_NS + experiment_members(r->experiment) * START_PATIENCE_EACH_NS;
     if (mu_clock_ns() - r->began_wall_ns < patience_ns) {
         return -1;
     }

@@ -52,7 +52,7 @@ bool run_pages_tell(struct run *r)
     const struct experiment *e = r->experiment;
     uint64_t number = 0; /* of a line, in the order of the file */
     bool room = true;
-    for (unsigned i = 0; i < e->robots_count; i++) {
+    for (unsigned i = 0; i < experiment_members(e); i++) {
         const struct experiment_robot *robot = &e->robots[i];
         if (run_pages_own(r, robot)) {
             continue;
@@ -76,7 +76,7 @@ bool run_pages_take(struct run *r, const struct mu_mail *mail)
     }
     r->pages_answered++;
     if (strcmp(mail->performative, "inform") != 0) {
-        fprintf(stderr, "muster run: a robot's group or service is refused: %s\n", mail->content);
+        fprintf(stderr, "muster run: an agent's group or service is refused: %s\n", mail->content);
         r->command_refused = true;
     }
     return true;

@@ -63,6 +63,12 @@ static void text_print(const struct run *r, const struct report_input *in,
                in->robots[i].name, out->robots[i].distance_m, out->robots[i].stalls,
                in->robots[i].mail_sent, in->robots[i].mail_received);
     }
+    for (size_t i = 0; i < in->agents_count; i++) {
+        printf("  %-12s %7" PRIu64 " rule firings  %6" PRIu64 " mails sent  %6" PRIu64
+               " received\n",
+               in->agents[i].name, in->agents[i].rule_firings, in->agents[i].mail_sent,
+               in->agents[i].mail_received);
+    }
     for (unsigned i = 0; i < in->experiment->expect_count; i++) {
         const char *word = !out->judged[i] ? "-     " : out->met[i] ? "met   " : "FAILED";
         printf("  %s  %s%s%s\n", word, out->texts[i], out->judged[i] ? ": " : "",
@@ -117,6 +123,16 @@ static const muster_RobotTotals *totals_find(const struct run *r, const char *na
     return NULL;
 }
 
+static void totals_fill(const struct run *r, struct report_robot *agent)
+{
+    const muster_RobotTotals *totals = totals_find(r, agent->name);
+    if (totals) {
+        agent->mail_sent = totals->mails_sent;
+        agent->mail_received = totals->mails_received;
+        agent->rule_firings = totals->firings;
+    }
+}
+
 /* The robots of the experiment, in the order of the world; others that stand there are obstacles.
  * @return how many */
 static size_t robots_fill(const struct run *r, struct report_robot *robots)
@@ -128,15 +144,20 @@ static size_t robots_fill(const struct run *r, struct report_robot *robots)
             continue;
         }
         robots[count] = (struct report_robot){.name = robot->name, .rgb = robot->look.rgb};
-        const muster_RobotTotals *totals = totals_find(r, robot->name);
-        if (totals) {
-            robots[count].mail_sent = totals->mails_sent;
-            robots[count].mail_received = totals->mails_received;
-            robots[count].rule_firings = totals->firings;
-        }
-        count++;
+        totals_fill(r, &robots[count++]);
     }
     return count;
+}
+
+static const struct report_robot *agents_fill(const struct run *r)
+{
+    const struct experiment *e = r->experiment;
+    struct report_robot *agents = mu_startup_array(e->agents_count, sizeof *agents);
+    for (unsigned i = 0; i < e->agents_count; i++) {
+        agents[i].name = e->agents[i].name;
+        totals_fill(r, &agents[i]);
+    }
+    return agents;
 }
 
 /* @return how many processes died and were started again */
@@ -172,6 +193,8 @@ void run_report_input(const struct run *r, struct report_input *input)
                                    .overrides_count = r->options.set_count,
                                    .robots = robots,
                                    .robots_count = robots_count,
+                                   .agents = agents_fill(r),
+                                   .agents_count = r->experiment->agents_count,
                                    .objects = objects,
                                    .objects_count = r->objects_count};
 }

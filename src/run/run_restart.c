@@ -100,7 +100,8 @@ static void crew_begin(struct run *r, const struct experiment_crew *crew, const 
         const char *name = r->experiment->robots[crew->robot + i].name;
         enum mu_state state;
         struct mu_mail mail = {.dst = name, .directive = true, .performative = "start"};
-        if (robot_is_there(r, name, child, &state) && state == MU_STANDBY &&
+        if (!r->experiment->robots[crew->robot + i].standby &&
+            robot_is_there(r, name, child, &state) && state == MU_STANDBY &&
             mu_agent_send(r->observer, &mail, NULL) != MU_OK) {
             fprintf(stderr, "muster run: %s cannot be told to start\n", name);
         }
@@ -124,7 +125,7 @@ static void host_returned(struct run *r, const char *host, struct child *child)
         return;
     }
     child->returned = false;
-    for (unsigned i = 0; i < r->experiment->robots_count; i++) {
+    for (unsigned i = 0; i < experiment_members(r->experiment); i++) {
         const struct experiment_robot *robot = &r->experiment->robots[i];
         if (robot->host && strcmp(robot->host, host) == 0) {
             struct experiment_crew one = {.robot = i, .count = 1};

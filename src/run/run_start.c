@@ -54,6 +54,9 @@ static mu_result broker_start(struct run *r, unsigned index, struct child *again
 
 static void places_add(const struct experiment *e)
 {
+    for (unsigned i = 0; i < e->agents_count; i++) {
+        supervise_word("--agents=%s", e->agents[i].name);
+    }
     for (unsigned i = 0; i < e->robots_count; i++) {
         const struct experiment_robot *robot = &e->robots[i];
         char pose[128] = "- - -";
@@ -191,8 +194,12 @@ static void diary_add(const struct run *r)
 static mu_result crew_start(struct run *r, const struct experiment_crew *crew, struct child *again)
 {
     const struct experiment_robot *robot = &r->experiment->robots[crew->robot];
-    supervise_words("muster-robot");
+    bool has_body = crew->robot < r->experiment->robots_count;
+    supervise_words(has_body ? "muster-robot" : "muster-agent");
     supervise_word("%s", crew->name);
+    if (robot->standby) {
+        supervise_word("--standby");
+    }
     if (crew->numbered) {
         supervise_word("--count=%u", crew->count);
         supervise_word("--first=%u", crew->first);
@@ -227,12 +234,13 @@ static mu_result crew_start(struct run *r, const struct experiment_crew *crew, s
 /* The robots that begin on a host, with their rules and globals. */
 static void natives_add(const struct run *r, const char *host)
 {
-    for (unsigned i = 0; i < r->experiment->robots_count; i++) {
+    for (unsigned i = 0; i < experiment_members(r->experiment); i++) {
         const struct experiment_robot *robot = &r->experiment->robots[i];
         if (!robot->host || strcmp(robot->host, host) != 0) {
             continue;
         }
-        supervise_word("--robot=%s=%s", robot->name, robot->rules);
+        bool has_body = i < r->experiment->robots_count;
+        supervise_word("--%s=%s=%s", has_body ? "robot" : "agent", robot->name, robot->rules);
         for (unsigned k = 0; k < robot->globals_count; k++) {
             supervise_word("--global=%s.%s=%s", robot->name, robot->globals[k].name,
                            robot->globals[k].value);
@@ -243,7 +251,7 @@ static void natives_add(const struct run *r, const char *host)
 static mu_result host_start(struct run *r, const char *host, struct child *again)
 {
     const struct experiment *e = r->experiment;
-    unsigned robots = r->experiment->robots_count;
+    unsigned robots = experiment_members(r->experiment);
     supervise_words("muster-host");
     supervise_word("%s", host);
     supervise_word("--agents=%u", robots < 16 ? 16 : robots < 256 ? robots : 256);

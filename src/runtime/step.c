@@ -216,7 +216,8 @@ static void world_take(mu_process *p, const muster_Sense *sense)
 /* Agents without a body live through the step, too, in the order in which they came. */
 static bool takes_tick(const struct mu_agent *a)
 {
-    return !a->embodied && a->state != MU_GONE && a->name_state == NAME_ACCEPTED &&
+    bool may = a->kind == MU_KIND_AGENT || a->kind == MU_KIND_ROBOT;
+    return may && !a->embodied && a->state != MU_GONE && a->name_state == NAME_ACCEPTED &&
            a->handlers.on_beat;
 }
 

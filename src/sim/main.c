@@ -31,6 +31,7 @@ struct settings {
     struct mu_option_list notes;      /* "KEY=VALUE" */
     struct mu_option_list conditions; /* that go into events */
     struct mu_option_list robots;     /* names; none: all of the world */
+    struct mu_option_list agents;     /* names of those without a body */
     struct mu_option_list places;     /* "NAME BODY X Y DEG COLOR", - for what is not said */
 };
 
@@ -76,6 +77,8 @@ static struct mu_option option_table[] = {
     MU_LIST("event", "CONDITION", set.conditions,
             "such as 'red stalled', 'red near blue 0.5', 'red told hello'"),
     MU_LIST("robots", "NAME", set.robots, "a robot that has a controller (default: all)"),
+    MU_LIST("agents", "NAME", set.agents,
+            "an agent without a body that is part of the run; the first step waits for it"),
     MU_LIST("place", "'NAME BODY X Y DEG COLOR'", set.places,
             "put a robot into the world, or elsewhere; - for what the world says"),
     MU_STRING("restore", "FILE", set.restore,
@@ -251,6 +254,7 @@ static int session_make(struct simulator *sim, uint64_t step_ns)
                                       .events = sim->events,
                                       .recording = sim->recording,
                                       .robots = &set.robots,
+                                      .agents = &set.agents,
                                       .seed = (uint64_t)set.seed,
                                       .step_ns = step_ns,
                                       .broker = set.network.broker,

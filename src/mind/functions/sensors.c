@@ -40,8 +40,8 @@ void sensors_position(void *env, DATA_OBJECT *out)
 
 void sensors_stalled(void *env, DATA_OBJECT *out)
 {
-    bool held_up = sensors_have_body(env, "stalled") &&
-                   inputs_of(environment_mind(env))->percept.stalled;
+    bool held_up =
+        sensors_have_body(env, "stalled") && inputs_of(environment_mind(env))->percept.stalled;
     value_bool(env, out, held_up);
 }
 

@@ -15,8 +15,11 @@ void agents_open(struct session_agents *a, const struct world *world)
     mu_table_init(&a->robot_names, a->robots > 0 ? a->robots : 1);
     for (uint32_t i = 0; i < a->robots; i++) {
         struct session_agent *agent = &a->at[i];
-        *agent = (struct session_agent){
-            .controlled = true, .body = (int32_t)i, .process = -1, .next_process = -1};
+        *agent = (struct session_agent){.controlled = true,
+                                        .body = (int32_t)i,
+                                        .totals = (int32_t)i,
+                                        .process = -1,
+                                        .next_process = -1};
         mu_text_copy(agent->name, sizeof agent->name, world->robots[i].name);
         (void)mu_table_put(&a->robot_names, agent->name, i);
     }
@@ -62,7 +65,7 @@ mu_result agents_seat(struct session_agents *a, const char *name, int32_t proces
     }
     struct session_agent *coming = &a->coming[a->coming_count++];
     *coming = (struct session_agent){
-        .controlled = true, .body = -1, .process = process, .next_process = -1};
+        .controlled = true, .body = -1, .totals = -1, .process = process, .next_process = -1};
     mu_text_copy(coming->name, sizeof coming->name, name);
     return MU_OK;
 }
@@ -115,6 +118,14 @@ static void agent_insert(struct session_agents *a, const struct session_agent *c
     memmove(&a->at[at + 1], &a->at[at], (a->count - at) * sizeof *a->at);
     a->at[at] = *coming;
     a->count++;
+}
+
+void agents_expect(struct session_agents *a, const char *name, int32_t totals)
+{
+    struct session_agent agent = {
+        .controlled = true, .body = -1, .totals = totals, .process = -1, .next_process = -1};
+    mu_text_copy(agent.name, sizeof agent.name, name);
+    agent_insert(a, &agent);
 }
 
 static void agent_move(struct session_agent *agent)

@@ -149,14 +149,14 @@ static void body_numbers(const void *self, int body, struct condition_numbers *o
     *out = (struct condition_numbers){
         .x_m = pose.x_m, .y_m = pose.y_m, .heading_rad = pose.heading_rad};
     if ((size_t)body < s->robot_count) {
-        const struct session_robot *r = &s->robots[body];
+        const muster_RobotTotals *totals = &s->totals[body].told;
         const struct tally *t = &s->observe.tallies[body];
         out->distance_m = t->distance_m;
         out->stalls = t->stalls;
         out->stalled_s = t->stalled_s;
-        out->mail_sent = (double)r->mails_sent;
-        out->mail_received = (double)r->mails_received;
-        out->rule_firings = (double)r->firings;
+        out->mail_sent = (double)totals->mails_sent;
+        out->mail_received = (double)totals->mails_received;
+        out->rule_firings = (double)totals->firings;
     }
 }
 

@@ -40,8 +40,6 @@ static void robot_act(struct session *s, struct session_robot *r, const muster_A
     r->lift = order_of(act->lift);
     r->senses = act->senses;
     mu_text_copy(r->goal, sizeof r->goal, act->goal);
-    r->firings += act->firings;
-    r->mails_sent += act->mails._length;
     act_note(s, (int)(r - s->robots), act);
 }
 
@@ -52,6 +50,10 @@ static void act_take(struct session *s, const muster_Act *act, int32_t process)
         return;
     }
     agent->state = act->state;
+    if (agent->totals >= 0) {
+        s->totals[agent->totals].told.firings += act->firings;
+        s->totals[agent->totals].told.mails_sent += act->mails._length;
+    }
     run_hash_act(s->hash, act, agent->digest);
     if (agent->body >= 0) {
         robot_act(s, &s->robots[agent->body], act);
@@ -68,6 +70,16 @@ static void up_show(struct session *s, const muster_Up *up, int32_t process)
             act_note(s, agent->body, &up->acts._buffer[i]);
             observe_act(s, (size_t)agent->body, &up->acts._buffer[i]);
         }
+    }
+}
+
+static void ack_note(struct session *s, const muster_Ack *ack)
+{
+    const struct session_agent *agent = agents_find(&s->agents, ack->box);
+    if (agent && agent->totals >= 0) {
+        struct session_totals *t = &s->totals[agent->totals];
+        t->told.mails_received = t->returned ? ack->number : ack->handed;
+        t->told.mails_duplicated = ack->handed > ack->number ? ack->handed - ack->number : 0;
     }
 }
 
@@ -100,13 +112,7 @@ static void up_take(struct session *s, const muster_Up *up)
         act_take(s, &up->acts._buffer[i], process);
     }
     for (uint32_t i = 0; i < up->acks._length; i++) {
-        const struct session_agent *agent = agents_find(&s->agents, up->acks._buffer[i].box);
-        if (agent && agent->body >= 0) {
-            struct session_robot *r = &s->robots[agent->body];
-            const muster_Ack *ack = &up->acks._buffer[i];
-            r->mails_received = r->returned ? ack->number : ack->handed;
-            r->mails_duplicated = ack->handed > ack->number ? ack->handed - ack->number : 0;
-        }
+        ack_note(s, &up->acks._buffer[i]);
     }
 }
 

@@ -117,6 +117,7 @@ void observe_order(struct session *s, const muster_RunCommand *order)
 static void robot_finish(struct session *s, size_t robot)
 {
     const struct session_robot *r = &s->robots[robot];
+    const muster_RobotTotals *totals = &s->totals[robot].told;
     muster_RobotView *v = frame_robot(s->observe.frame, robot);
     const struct session_agent *agent = &s->agents.at[robot];
     bool lives = agent->process >= 0;
@@ -124,9 +125,9 @@ static void robot_finish(struct session *s, size_t robot)
     v->goal = (char *)(uintptr_t)(lives ? r->goal : ""); /* it is only read */
     v->command_forward_m_s = r->command_forward_m_s;
     v->command_turn_rad_s = r->command_turn_rad_s;
-    v->firings = r->firings;
-    v->mails_sent = r->mails_sent;
-    v->mails_received = r->mails_received;
+    v->firings = totals->firings;
+    v->mails_sent = totals->mails_sent;
+    v->mails_received = totals->mails_received;
 }
 
 /* A Frame that the network refuses is lost: the run does not wait for observers. */

@@ -21,6 +21,7 @@ struct session_agent {
     int32_t next_process; /* from the next step on; -1: the same */
     uint32_t slot;        /* of a robot: the place of its entry in that process's registration */
     muster_State state;   /* in its last act */
+    int32_t totals;       /* index of what it amounts to; -1: it came while the run went on */
     unsigned char digest[RUN_HASH_BYTES]; /* of what it did in this step */
 };
 
@@ -46,8 +47,6 @@ struct session_robot {
     uint32_t senses;       /* requested by its agent: bits of enum mu_sense */
     uint32_t off;          /* those that an order has switched off */
     uint32_t quiet_steps;  /* since its agent has set a speed */
-    uint64_t firings, mails_sent, mails_received, mails_duplicated;
-    bool returned; /* its agent was restored: another process was handed the earlier mail */
     struct engine_sample sensed;
 };
 
@@ -141,10 +140,16 @@ enum phase_event {
     PHASE_EVENTS
 };
 
+/* What an agent amounts to in a run. */
+struct session_totals {
+    muster_RobotTotals told;
+    bool returned; /* it was restored: another process was handed the earlier mail */
+};
+
 /* status.c's own */
 struct session_status {
     struct bus_writer writer;
-    muster_RobotTotals *totals;
+    muster_RobotTotals *totals; /* as they are told: robots that are controlled, and agents */
     muster_ObjectPlace *places; /* of the objects */
     uint64_t told_wall_ns;
 };
@@ -177,6 +182,8 @@ struct session {
     struct session_agents agents;
     struct session_robot *robots;
     size_t robot_count;
+    struct session_totals *totals; /* of each robot, then of each agent that the options name */
+    size_t totals_count;
     uint32_t *wanted; /* of each robot: the sensors that this step reads, enum mu_sense */
     struct mu_table process_names;
     struct session_process *processes; /* MU_PROCESSES_MAX */
@@ -242,6 +249,9 @@ void roster_change_processes(struct session *s);
 
 /** Takes memory at start-up, and the robots of a world. */
 void agents_open(struct session_agents *a, const struct world *world);
+
+/** Before the first step: takes in an agent without a body, which the first step waits for. */
+void agents_expect(struct session_agents *a, const char *name, int32_t totals);
 
 /** @return the agent of that name that takes part in this step, or NULL */
 struct session_agent *agents_find(const struct session_agents *a, const char *name);

@@ -39,11 +39,12 @@ bool recover_is_due(const struct session *s)
 static void process_release(struct session *s, uint32_t process)
 {
     roster_rest(s, process);
-    for (size_t i = 0; i < s->robot_count; i++) {
-        if (agents_home(&s->agents.at[i]) == (int32_t)process) {
-            mu_log(MU_LOG_WARNING, "controller-lost", "robot=%s step=%lld", s->agents.at[i].name,
+    for (size_t i = 0; i < s->agents.count; i++) {
+        const struct session_agent *agent = &s->agents.at[i];
+        if (agent->totals >= 0 && agents_home(agent) == (int32_t)process) {
+            mu_log(MU_LOG_WARNING, "controller-lost", "robot=%s step=%lld", agent->name,
                    (long long)s->step);
-            s->robots[i].returned = true;
+            s->totals[agent->totals].returned = true;
         }
     }
     agents_renumber(&s->agents, (int32_t)process, -1);

@@ -61,17 +61,19 @@ static bool process_holds(const struct session *s, const struct session_agent *a
     return agent->process >= 0 && strcmp(s->processes[agent->process].name, process) == 0;
 }
 
-/* @return whether a robot has got or lost its controller */
+/* @return whether an agent of the run has got or lost its process */
 static bool entry_take(struct session *s, const muster_Registration *r, uint32_t index)
 {
     const muster_Entry *e = &r->agents._buffer[index];
     uint32_t slot = r->part * MU_PART_AGENTS + index;
     struct session_agent *agent = agents_find(&s->agents, e->name);
     bool is_robot = agent && agent->body >= 0;
-    if (!agent || (!is_robot && (agent->process >= 0 || e->state == muster_STATE_ABSENT))) {
+    bool steps = phase_has_begun(s) && !s->options.free;
+    if (!agent ||
+        (!is_robot && steps && (agent->process >= 0 || e->state == muster_STATE_ABSENT))) {
         return false;
     }
-    if (!is_robot) { /* its process died, and its successor registers it */
+    if (!is_robot && steps) { /* its process died, and its successor registers it */
         agent->process = process_add(s, r->process);
         return false;
     }
@@ -82,13 +84,16 @@ static bool entry_take(struct session *s, const muster_Registration *r, uint32_t
         return left;
     }
     /* While a body has a controller, another one waits. */
-    if (e->kind != muster_KIND_ROBOT || r->watches || (agent->process >= 0 && !holds)) {
+    bool fits = !is_robot || e->kind == muster_KIND_ROBOT;
+    if (!fits || r->watches || (agent->process >= 0 && !holds)) {
         return false;
     }
     agent->process = holds ? agent->process : process_add(s, r->process);
     agent->slot = slot;
     agent->state = e->state;
-    s->robots[agent->body].senses = e->senses;
+    if (is_robot) {
+        s->robots[agent->body].senses = e->senses;
+    }
     return !holds && agent->process >= 0;
 }
 
@@ -99,7 +104,8 @@ static bool process_leave(struct session *s, const muster_Registration *r, bool 
     bool changed = false;
     for (uint32_t i = 0; i < s->agents.count; i++) {
         struct session_agent *agent = &s->agents.at[i];
-        bool of_part = agent->body >= 0 && agent->slot / MU_PART_AGENTS == r->part;
+        bool had_part = agent->body >= 0 || !phase_has_begun(s) || s->options.free;
+        bool of_part = had_part && agent->slot / MU_PART_AGENTS == r->part;
         if (process_holds(s, agent, r->process) && (lost || of_part)) {
             agent->process = -1;
             changed = true;
@@ -255,14 +261,14 @@ static bool process_is_ready(const struct session *s, int32_t process)
     return p->joined == MEMBER_JOINED && bus_reader_hears(&s->ups, &p->sense, p->name);
 }
 
-/* @return the one broker of a lock step; "": any, in free running or before a robot registers */
+/* @return the one broker of a lock step; "": any, in free running or before an agent registers */
 static const char *broker_of(const struct session *s)
 {
     if (s->options.free) {
         return "";
     }
     const char *broker = s->options.broker;
-    for (size_t i = 0; i < s->robot_count && !broker; i++) {
+    for (size_t i = 0; i < s->agents.count && !broker; i++) {
         int32_t process = s->agents.at[i].process;
         broker = process >= 0 ? s->processes[process].broker : NULL;
     }

@@ -41,6 +41,20 @@ static void robots_choose(struct session_agents *agents, const struct mu_option_
     }
 }
 
+/* Robots first, in the order of the world, then agents without a body, in that of their options. */
+static void totals_open(struct session *s, const struct mu_option_list *agents)
+{
+    s->totals_count = s->robot_count + agents->count;
+    s->totals = mu_startup_array(s->totals_count, sizeof *s->totals);
+    for (size_t i = 0; i < s->robot_count; i++) {
+        s->totals[i].told.robot = s->world->robots[i].name;
+    }
+    for (size_t i = 0; i < agents->count; i++) {
+        s->totals[s->robot_count + i].told.robot = (char *)(uintptr_t)agents->items[i]; /* read */
+        agents_expect(&s->agents, agents->items[i], (int32_t)(s->robot_count + i));
+    }
+}
+
 mu_result session_open(struct session **out, const struct session_options *options)
 {
     struct session *s = mu_startup_alloc(sizeof *s);
@@ -57,6 +71,7 @@ mu_result session_open(struct session **out, const struct session_options *optio
     s->robots = mu_startup_array(s->robot_count, sizeof *s->robots);
     agents_open(&s->agents, s->world);
     robots_choose(&s->agents, options->robots);
+    totals_open(s, options->agents);
     const struct condition_names names = record_names(s->world);
     s->orders = order_queue_open(&names);
     s->snapshot = mu_startup_alloc(engine_save_size(s->engine));

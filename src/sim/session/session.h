@@ -27,6 +27,8 @@ struct session_options {
     struct events *events;               /* likewise */
     struct mcap_file *recording;         /* likewise */
     const struct mu_option_list *robots; /* names of those with a controller; empty: all */
+    const struct mu_option_list *agents; /* names of those without a body, which the first step
+                                            waits for, too */
     uint64_t seed;
     uint64_t step_ns;
     uint64_t duration_ns;             /* 0: no end */

@@ -9,26 +9,26 @@ static const uint64_t STATUS_PERIOD_NS = 50000000;
 
 void status_open(struct session *s)
 {
-    s->status.totals = mu_startup_array(s->robot_count, sizeof *s->status.totals);
+    s->status.totals = mu_startup_array(s->totals_count, sizeof *s->status.totals);
     s->status.places = mu_startup_array(s->world->object_count, sizeof *s->status.places);
 }
 
-/* @return how many robots have a controller */
-static uint32_t totals_fill(struct session *s)
+/* Lays out the totals of robots that have a controller, and behind them those of agents. */
+static void totals_fill(struct session *s, muster_RunStatus *status)
 {
-    uint32_t totals = 0;
+    uint32_t robots = 0, agents = (uint32_t)(s->totals_count - s->robot_count);
     for (size_t i = 0; i < s->robot_count; i++) {
-        const struct session_robot *r = &s->robots[i];
-        if (!s->agents.at[i].controlled) {
-            continue;
+        if (s->agents.at[i].controlled) {
+            s->status.totals[robots++] = s->totals[i].told;
         }
-        s->status.totals[totals++] = (muster_RobotTotals){.robot = s->world->robots[i].name,
-                                                          .firings = r->firings,
-                                                          .mails_sent = r->mails_sent,
-                                                          .mails_received = r->mails_received,
-                                                          .mails_duplicated = r->mails_duplicated};
     }
-    return totals;
+    for (uint32_t i = 0; i < agents; i++) {
+        s->status.totals[robots + i] = s->totals[s->robot_count + i].told;
+    }
+    status->robots._buffer = s->status.totals;
+    status->robots._length = status->robots._maximum = robots;
+    status->agents._buffer = s->status.totals + robots;
+    status->agents._length = status->agents._maximum = agents;
 }
 
 static uint32_t places_fill(struct session *s)
@@ -63,8 +63,9 @@ bool status_tell(struct session *s, bool always)
                                .skipped = s->skipped,
                                .hash = done && !s->options.free ? s->hash_text : none,
                                .waits_for = s->waits_for};
-    status.robots._buffer = s->status.totals;
-    status.robots._length = status.robots._maximum = done ? totals_fill(s) : 0;
+    if (done) {
+        totals_fill(s, &status);
+    }
     status.objects._buffer = s->status.places;
     status.objects._length = status.objects._maximum = done ? places_fill(s) : 0;
     observe_status(s, &status);

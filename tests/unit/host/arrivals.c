@@ -49,8 +49,9 @@ static void host_begin(void)
 /* A passport; what stands behind it is added by whoever wants it. */
 static void header_write(enum migration_purpose purpose, const char *name, uint64_t epoch)
 {
-    struct snapshot_header p = {
-        .purpose = purpose, .state = MU_RUNNING, .passage = {.epoch = epoch, .kind = MU_KIND_ROBOT}};
+    struct snapshot_header p = {.purpose = purpose,
+                                .state = MU_RUNNING,
+                                .passage = {.epoch = epoch, .kind = MU_KIND_ROBOT}};
     (void)mu_text_copy(p.name, sizeof p.name, name);
     mu_text_init(&text, bytes, sizeof bytes);
     snapshot_header_add(&text, &p);

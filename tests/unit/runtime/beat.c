@@ -91,6 +91,14 @@ static void test_who_has_no_body_has_a_beat(void)
     expect("red beat 7; red acts; ");
 }
 
+static void test_an_agent_that_is_no_robot_has_a_beat(void)
+{
+    join("boss", MU_KIND_AGENT);
+    join("observer", MU_KIND_SPECIAL);
+    sense.robots._length = 0;
+    expect("boss beat 7; boss acts; ");
+}
+
 /* The one that comes answers for a name, not the one that had it. */
 static void test_a_name_answers_once(void)
 {
@@ -108,6 +116,7 @@ int main(void)
 {
     CU_TestInfo tests[] = {
         {"who has no body has a beat", test_who_has_no_body_has_a_beat},
+        {"an agent that is no robot has a beat", test_an_agent_that_is_no_robot_has_a_beat},
         {"a name answers once", test_a_name_answers_once},
         CU_TEST_INFO_NULL,
     };

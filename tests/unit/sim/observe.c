@@ -34,6 +34,7 @@ static int begin(void)
     s.hash = run_hash_open();
     s.robot_count = 1;
     s.robots = calloc(1, sizeof *s.robots);
+    s.totals = calloc(1, sizeof *s.totals);
     agents_open(&s.agents, &physics_world);
     s.agents.at[0].process = 0;
     s.options.step_ns = PHYSICS_STEP_NS;
@@ -46,6 +47,7 @@ static int end(void)
     unlink(path);
     bus_close(&bus);
     free(s.robots);
+    free(s.totals);
     return 0;
 }
 
