@@ -1,8 +1,9 @@
 ; SPDX-License-Identifier: Apache-2.0
 ;
 ; (after SECONDS WORD...): once the time is over, the fact (timeout WORD...) is there, until a rule
-; retracts it.  (every SECONDS WORD...) again and again; (cancel WORD...) ends both.  Simulated time,
-; looked at in each step.
+; retracts it.  (after SECONDS "(CALL)"): the call is evaluated then.  (every SECONDS ...) again and
+; again.  Both return the words of the timer, by which (cancel WORD...) ends it.  Simulated time where
+; there is any, looked at in each step.
 
 (deffunction cancel ($?what)
   (progn$ (?timer (findall (timer $?)))
@@ -10,10 +11,12 @@
       (retract ?timer))))
 
 (deffunction after (?seconds $?what)
-  (assert (timer (+ (now) ?seconds) 0 $?what)))
+  (assert (timer (+ (now) ?seconds) 0 $?what))
+  ?what)
 
 (deffunction every (?seconds $?what)
-  (assert (timer (+ (now) ?seconds) ?seconds $?what)))
+  (assert (timer (+ (now) ?seconds) ?seconds $?what))
+  ?what)
 
 (defrule timer-over
   (declare (salience 50))
@@ -24,3 +27,23 @@
   (assert (timeout $?what))
   (if (> ?again 0) then
     (assert (timer (+ ?at ?again) ?again $?what))))
+
+; The same without a body: such an agent has the time of each step in a fact of its own.  The rules
+; stay in this order, which is that of what they bring about.
+(defrule timer-over-without-body
+  (declare (salience 50))
+  ?timer <- (timer ?at ?again $?what)
+  (tick ?time&:(>= ?time ?at))
+  =>
+  (retract ?timer)
+  (assert (timeout $?what))
+  (if (> ?again 0) then
+    (assert (timer (+ ?at ?again) ?again $?what))))
+
+(defrule timer-calls
+  (declare (salience 50))
+  ?timeout <- (timeout ?call&:(stringp ?call))
+  (test (eq (sub-string 1 1 ?call) "("))
+  =>
+  (retract ?timeout)
+  (eval ?call))

@@ -25,6 +25,7 @@ static void env_install(struct mind *m)
 {
     environment_install(m);
     percept_install(m);
+    timers_install(m);
     budget_install(m);
     builtins_install(m);
     functions_install(m);

@@ -83,8 +83,10 @@ struct mind_inputs {
     struct percept_list lists[MU_CHANNEL_COUNT];
     enum percept_body body;
     uint32_t senses_named; /* enum mu_sense: sensors whose functions rules call */
-    struct deftemplate *time, *position;
-    struct fact *time_fact, *position_fact; /* the time's: NULL if no rule looks at it */
+    struct deftemplate *time, *tick, *position;
+    struct fact *time_fact; /* NULL: no rule looks at it */
+    struct fact *position_fact; /* without a body that of the tick */
+    struct multifield *timers;  /* while (reset) goes on */
     bool ring_unseen; /* the ring's fact is left out: no rule has a pattern of it, and no query has
                          looked for it */
     long long ring_number; /* the number that this fact would bear */
@@ -172,6 +174,14 @@ void percept_lose(struct mind *m, uint64_t time_ns);
 
 /** Ties the lists to their elements and facts, and tells (reset) of them. */
 void percept_install(struct mind *m);
+
+/* timers.c */
+
+/** Lets timers outlive (reset). */
+void timers_install(struct mind *m);
+
+/** Sets all timers so much later, as the steps have another clock. */
+void timers_move(struct mind *m, double later_s);
 
 /* messages.c */
 struct messages *messages_reserve(void);

@@ -35,6 +35,7 @@ bool facts_build(struct mind *m)
     inputs_of(m)->message = inputs_hold(m, "message");
     inputs_of(m)->event = inputs_hold(m, "event");
     inputs_of(m)->time = inputs_hold(m, "time");
+    inputs_of(m)->tick = inputs_hold(m, "tick");
     inputs_of(m)->mail = EnvFindDeftemplate(m->env, "mail");
     inputs_of(m)->mail->busyCount++;
     return true;

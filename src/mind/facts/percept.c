@@ -4,15 +4,18 @@
 
 #include <math.h>
 
-/* The time of the step, for rules that look at it. */
-static struct fact *percept_time(struct mind *m)
+/* No run's time comes so far, about 31 years, and the wall's has. */
+static const uint64_t PERCEPT_WALL_NS = 1000000000u * UINT64_C(1000000000);
+
+/* The time of the step as a fact, if rules look at such ones. */
+static struct fact *percept_time(struct mind *m, struct deftemplate *relation)
 {
-    if (!fact_is_used(inputs_of(m)->time)) {
+    if (!fact_is_used(relation)) {
         return NULL;
     }
     struct multifield *fields = CreateMultifield2(m->env, 1);
     value_set_float(m->env, fields, 0, (double)inputs_of(m)->percept.time_ns * 1e-9);
-    return fact_assert(m, inputs_of(m)->time, fields);
+    return fact_assert(m, relation, fields);
 }
 
 static struct fact *percept_position(struct mind *m)
@@ -149,8 +152,20 @@ static void percept_finite_fiducial(struct mu_fiducial *to)
     MU_FIDUCIAL(FINITE)
 }
 
+/* Timers count what is left to them when the clock is another one: a run ends, and the wall's time
+ * is behind it; or another run begins. */
+static void percept_change_clock(struct mind *m, uint64_t time_ns)
+{
+    uint64_t before_ns = inputs_of(m)->percept.time_ns;
+    bool of_wall = time_ns >= PERCEPT_WALL_NS;
+    if (time_ns < before_ns || of_wall != (before_ns >= PERCEPT_WALL_NS)) {
+        timers_move(m, ((double)time_ns - (double)before_ns) * 1e-9);
+    }
+}
+
 static void percept_copy(struct mind *m, const struct mu_percept *from)
 {
+    percept_change_clock(m, from->time_ns);
     struct mu_percept *to = &inputs_of(m)->percept;
     struct percept_elements *own = &inputs_of(m)->elements;
     *to = *from;
@@ -176,7 +191,7 @@ void percept_take(struct mind *m, const struct mu_percept *p)
     m->trace_fact = TRACE_SENSED;
     percept_retract_all(m);
     percept_copy(m, p);
-    inputs_of(m)->time_fact = percept_time(m);
+    inputs_of(m)->time_fact = percept_time(m, inputs_of(m)->time);
     inputs_of(m)->position_fact = percept_position(m);
     percept_lists(m);
     m->trace_fact = TRACE_CAUSED;
@@ -190,7 +205,8 @@ void percept_lose(struct mind *m, uint64_t time_ns)
     percept_copy(m, &nothing);
     inputs_of(m)->body = PERCEPT_NO_BODY;
     inputs_of(m)->ring_unseen = false;
-    inputs_of(m)->time_fact = percept_time(m);
+    inputs_of(m)->time_fact = percept_time(m, inputs_of(m)->time);
+    inputs_of(m)->position_fact = percept_time(m, inputs_of(m)->tick);
     m->trace_fact = TRACE_CAUSED;
 }
 

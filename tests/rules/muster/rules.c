@@ -3,7 +3,7 @@
  * Runs rule files against a body and a post office that are not there, and compares what they do
  * with the comments in them:
  *
- *   ; options: library=no budget=3 failures=3    before everything else; all are optional
+ *   ; options: library=no body=no budget=3 failures=3    before everything else; all are optional
  *   ; fails: 7 text                   the file is refused at line 7, and the message holds the text
  *   ; mail: red mate-pos red 1.0 2.0  arrives in the next step
  *   ; speech: ask-one q1 red what     the same with a performative and a reply-with
@@ -76,7 +76,7 @@ struct bench {
     struct mu_fiducial fiducials[MU_FIDUCIALS_MAX];
     size_t blob_count, fiducial_count;
     uint32_t senses; /* that the simulator was asked for with the last step */
-    bool stalled, acts;
+    bool stalled, acts, bodiless;
     uint64_t steps, mail_id;
     struct waiting mails[MAILS_MAX];
     size_t mail_count;
@@ -348,7 +348,11 @@ static void step(struct bench *b)
             mu_channel_set(c, &p, b->lists[i], b->counts[i]);
         }
     }
-    mind_percept(b->mind, &p);
+    if (b->bodiless) {
+        mind_feel_nothing(b->mind, p.time_ns);
+    } else {
+        mind_percept(b->mind, &p);
+    }
     for (size_t i = 0; i < b->mail_count; i++) {
         const struct waiting *w = &b->mails[i];
         struct mind_mail mail = {
@@ -679,6 +683,7 @@ static mu_result load(struct bench *b, FILE *f, struct mu_fault *fault)
     int number;
     const char *options = find_header(f, "options: ", line, sizeof line, &number);
     bool library = !options || !strstr(options, "library=no");
+    b->bodiless = options && strstr(options, "body=no");
     struct mind_options o = {.read = mu_text_file_read,
                              .name = "blue",
                              .seed = 1,

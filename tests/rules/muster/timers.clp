@@ -2,22 +2,38 @@
 ; The library's timers count simulated time; a step of the test is 0.1 s, the first one is at 0.
 (defrule rings
   (declare (salience 60))
-  ?t <- (timeout $?what)
+  ?t <- (timeout ?word&:(symbolp ?word) $?rest)
   =>
   (retract ?t)
-  (printout t ?what " " (round (* 10 (now))) crlf))
+  (printout t (create$ ?word ?rest) " " (round (* 10 (now))) crlf))
+
+(deffunction say ($?words)
+  (printout t "says " ?words " " (round (* 10 (now))) crlf))
 
 ; line: (after 0.3 tea is ready)
-; expect: <Fact-1>
+; expect: (tea is ready)
 ; steps: 3
 ; step:
 ; expect: (tea is ready) 3
 ; line: (every 0.2 tick)
-; expect: <Fact-11>
+; expect: (tick)
 ; steps: 5
 ; expect: (tick) 5
 ; expect: (tick) 7
 ; line: (cancel tick) (after 0.1 over)
-; expect: <Fact-26>
+; expect: (over)
 ; steps: 4
 ; expect: (over) 9
+; a string that is a call is evaluated
+; line: (after 0.2 "(say hello there)")
+; expect: ("(say hello there)")
+; steps: 3
+; expect: says (hello there) 14
+; what (after) returns ends the timer
+; line: (progn (bind ?id (after 0.2 "(say never)")) (cancel ?id))
+; steps: 4
+; timers outlive (reset)
+; line: (every 0.2 again) (reset)
+; expect: (again)
+; steps: 3
+; expect: (again) 21
