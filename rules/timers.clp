@@ -18,6 +18,13 @@
   (assert (timer (+ (now) ?seconds) ?seconds $?what))
   ?what)
 
+(deffunction timer-again (?at ?again ?time $?what)
+  "The next of its times; those that it has missed are left out."
+  (bind ?next (+ ?at ?again))
+  (if (<= ?next ?time) then
+    (bind ?next (+ ?at (* ?again (+ 1 (integer (/ (- ?time ?at) ?again)))))))
+  (assert (timer ?next ?again $?what)))
+
 (defrule timer-over
   (declare (salience 50))
   ?timer <- (timer ?at ?again $?what)
@@ -26,7 +33,7 @@
   (retract ?timer)
   (assert (timeout $?what))
   (if (> ?again 0) then
-    (assert (timer (+ ?at ?again) ?again $?what))))
+    (timer-again ?at ?again ?time $?what)))
 
 ; The same without a body: such an agent has the time of each step in a fact of its own.  The rules
 ; stay in this order, which is that of what they bring about.
@@ -38,7 +45,7 @@
   (retract ?timer)
   (assert (timeout $?what))
   (if (> ?again 0) then
-    (assert (timer (+ ?at ?again) ?again $?what))))
+    (timer-again ?at ?again ?time $?what)))
 
 (defrule timer-calls
   (declare (salience 50))

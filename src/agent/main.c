@@ -118,7 +118,7 @@ int main(int argc, char **argv)
     process_before_up(g->process, step_before_up, g);
     robot_mind_watch();
     mu_memory_seal();
-    mu_result ran = mu_process_run(g->process);
+    mu_result ran = ticks_run(g);
     mu_process_close(g->process);
     for (uint32_t i = 0; i < g->count; i++) {
         ports_print_rest(&g->robots[i]);

@@ -126,6 +126,9 @@ static struct mu_option shared[] = {
     MU_STRING("folder", "DIR", options.checkpoints.folder, "where checkpoints are"),
     MU_FLAG("restore", options.checkpoints.restore,
             "bring back the agents that have a checkpoint there"),
+    MU_FLAG("wait", options.awaits_run,
+            "agents without a body wait for a simulator's steps; else they have steps of the "
+            "wall's time where no simulator is"),
     MU_FLAG("diary", options.diary,
             "let recordings have what goes on in its mind: facts, rules, causes",
             .environment = "MUSTER_DIARY"),

@@ -36,6 +36,7 @@ struct robot_options {
     struct mu_option_list groups, services;
     struct checkpoint_options checkpoints;
     bool diary, verbose, functions, standby;
+    bool awaits_run; /* no step but those of a simulator */
 };
 
 /**

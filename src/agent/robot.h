@@ -64,6 +64,8 @@ struct group_process {
     uint64_t migrations_begun;
     uint64_t migrations_unexpected; /* words of a broker that no migration was waiting for */
     struct checkpoints checkpoints;
+    int64_t ticks;                /* so many steps were the process's own, */
+    uint64_t tick_due_ns;         /* and the next one is due then */
     mu_agent *envoy; /* speaks for agents on their way; NULL: none was needed yet */
     /** Hears whether an agent that arrived got its name; NULL: no agent arrives. */
     void (*on_arrived)(struct robot *r, bool accepted, const char *reason);
@@ -271,6 +273,16 @@ void lifecycle_travel(struct robot *r);
 
 /** Runs, suspends or steps the robot as a line or a rule wants. */
 void lifecycle_do_wish(struct robot *r, mu_agent *a);
+
+/* ticks.c */
+
+/**
+ * Handles all that comes until the process ends: as mu_process_run.  Where no simulator is, agents
+ * without a body have a control step of the wall's time every MU_STEP_NS.
+ *
+ * @return as mu_process_run
+ */
+MU_MUST_USE mu_result ticks_run(struct group_process *g);
 
 /* step.c */
 

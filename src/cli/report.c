@@ -230,6 +230,9 @@ static void robots_use(const struct summary *s, struct report_input *in)
         }
     }
     in->robots = robots;
+    if (s->agents_count == in->agents_count) { /* both are in the order of the experiment */
+        in->agents = s->agents;
+    }
 }
 
 /* Chaos that was done to the world stands in the Frames; what became of the rest is not known. */

@@ -168,13 +168,14 @@ struct experiment_broker {
 
 /* What the run's simulator is told. */
 struct experiment_simulator {
+    bool none;        /* there is none, and no world: the run has a clock and agents */
     uint64_t threads; /* that read the sensors; 0: as it does by itself */
 };
 
 struct experiment {
     char *name;   /* the file's name without folder and ending, unless it says otherwise;
                      letters, digits, _ . -, so that a folder may bear it */
-    char *world;  /* absolute path; in the file, relative to it */
+    char *world;  /* absolute path; in the file, relative to it; without a simulator WORLD_NONE */
     char *policy; /* likewise: which agents may direct which; NULL: the broker's default */
     uint64_t seed;
     double duration; /* s of simulated time */

@@ -5,6 +5,7 @@
 #include "core/name.h"
 #include "experiment/experiment_source.h"
 #include "muster/limits.h"
+#include "world/world_load.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -67,6 +68,23 @@ static mu_result check_hosts(struct experiment_source *s)
                                     "a second host, or a robot, has the name '%s'", name);
         }
     }
+    return MU_OK;
+}
+
+/* Without a simulator there is nothing that has a place. */
+static mu_result check_no_simulator(struct experiment_source *s)
+{
+    static char none[] = WORLD_NONE;
+    struct experiment *e = s->experiment;
+    if (e->world) {
+        return experiment_fault(s, &e->world, experiment_section(s, "world"),
+                                "expected no world: there is no simulator");
+    }
+    if (e->robots_count > 0) {
+        return experiment_fault(s, NULL, experiment_section(s, "robots"),
+                                "expected agents alone: there is no simulator that moves robots");
+    }
+    e->world = none;
     return MU_OK;
 }
 
@@ -157,7 +175,9 @@ static mu_result check_top(struct experiment_source *s)
     if (e->policy) {
         MU_TRY(experiment_check_file(s, &e->policy, experiment_section(s, "policy"), "policy"));
     }
-    return experiment_check_file(s, &e->world, experiment_section(s, "world"), "world");
+    return e->simulator.none
+               ? check_no_simulator(s)
+               : experiment_check_file(s, &e->world, experiment_section(s, "world"), "world");
 }
 
 /* A global's value goes into a CLIPS line: one field, so that it cannot be anything else. */

@@ -69,6 +69,10 @@ mu_result experiment_fill(struct experiment_source *source)
     if (!e->name) {
         e->name = fill_name(source->path);
     }
+    if (!e->world && !e->simulator.none) {
+        return yaml_tree_fault(source->tree, yaml_tree_root(source->tree), source->fault,
+                               "expected a key 'world' here");
+    }
     if (experiment_members(e) == 0) {
         return yaml_tree_fault(source->tree, yaml_tree_root(source->tree), source->fault,
                                "expected robots, or agents");

@@ -142,7 +142,7 @@ static const struct yaml_key schema_simulator[] = {
 
 const struct yaml_key experiment_schema[] = {
     {"name", AT(TEXT, experiment, name), .set = true},
-    {"world", AT(TEXT, experiment, world), .needed = true, .set = true},
+    {"world", AT(TEXT, experiment, world), .set = true},
     {"seed", AT(WHOLE, experiment, seed), .set = true, .absent = 1},
     {"duration", AT(REAL, experiment, duration), .needed = true, .set = true},
     {"step_ms", AT(REAL, experiment, step_ms), .set = true, .absent = (double)MU_STEP_NS / 1e6},
@@ -154,7 +154,7 @@ const struct yaml_key experiment_schema[] = {
     {"hosts", LIST(TEXT, experiment, hosts, EXPERIMENT_HOSTS_MAX)},
     {"resolvers", LIST(TEXT, experiment, resolvers, EXPERIMENT_RESOLVERS_MAX)},
     {"broker", AT(KEYS, experiment, broker), .keys = schema_broker},
-    {"simulator", AT(KEYS, experiment, simulator), .keys = schema_simulator},
+    {"simulator", AT(KEYS, experiment, simulator), .keys = schema_simulator, .alone = "none"},
     {"policy", AT(TEXT, experiment, policy), .set = true},
     {"robots", LIST(KEYS, experiment, robots, MU_ROBOTS_MAX), .min = 1, .keys = schema_robot},
     {"agents", LIST(KEYS, experiment, agents, MU_ROBOTS_MAX), .min = 1, .keys = schema_agent},

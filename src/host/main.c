@@ -89,7 +89,7 @@ int main(int argc, char **argv)
     process_before_up(h->group.process, step_before_up, &h->group);
     robot_mind_watch();
     mu_memory_seal();
-    mu_result ran = mu_process_run(h->group.process);
+    mu_result ran = ticks_run(&h->group);
     mu_process_close(h->group.process);
     for (uint32_t i = 0; i < h->group.count; i++) {
         ports_print_rest(&h->group.robots[i]);

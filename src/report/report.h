@@ -173,6 +173,8 @@ struct summary {
     size_t monitors_count;
     struct report_robot robots[MU_ROBOTS_MAX];
     size_t robots_count;
+    struct report_robot agents[MU_ROBOTS_MAX];
+    size_t agents_count;
     struct report_object objects[MU_OBJECTS_MAX];
     size_t objects_count;
 };

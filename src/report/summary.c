@@ -74,16 +74,25 @@ static void run_take(struct summary *s)
     }
 }
 
+/* @return how many there are in the list */
+static size_t agents_take(const struct summary *s, const char *list, struct report_robot *agents)
+{
+    const json_t *item;
+    size_t count = 0;
+    for (; (item = item_of(s, list, count, MU_ROBOTS_MAX)); count++) {
+        agents[count] = (struct report_robot){.name = text_of(item, "name"),
+                                              .mail_sent = count_of(item, "mail_sent"),
+                                              .mail_received = count_of(item, "mail_received"),
+                                              .rule_firings = count_of(item, "rule_firings")};
+    }
+    return count;
+}
+
 static void bodies_take(struct summary *s)
 {
     const json_t *item;
-    for (size_t i = 0; (item = item_of(s, "robots", i, MU_ROBOTS_MAX)); i++) {
-        s->robots[s->robots_count++] =
-            (struct report_robot){.name = text_of(item, "name"),
-                                  .mail_sent = count_of(item, "mail_sent"),
-                                  .mail_received = count_of(item, "mail_received"),
-                                  .rule_firings = count_of(item, "rule_firings")};
-    }
+    s->robots_count = agents_take(s, "robots", s->robots);
+    s->agents_count = agents_take(s, "agents", s->agents);
     for (size_t i = 0; (item = item_of(s, "objects", i, MU_OBJECTS_MAX)); i++) {
         s->objects[s->objects_count++] = (struct report_object){
             text_of(item, "name"),

@@ -191,8 +191,8 @@ static mu_result command_tell(struct run *r, unsigned index)
 mu_result run_commands_send(struct run *r)
 {
     const struct experiment *e = r->experiment;
-    mu_result sent = directive_send(
-        r, (struct mu_mail){.dst = "robots", .performative = "start", .timed = true});
+    struct mu_mail start = {.dst = "robots", .performative = "start", .timed = true};
+    mu_result sent = e->robots_count > 0 ? directive_send(r, start) : MU_OK;
     for (unsigned i = 0; sent == MU_OK && i < e->observer_count; i++) {
         sent = command_tell(r, i);
     }

@@ -183,8 +183,9 @@ static void checkpoints_add(const struct run *r, enum experiment_on_crash on_cra
                    host ? host : "");
 }
 
-static void diary_add(const struct run *r)
+static void mind_add(const struct run *r)
 {
+    supervise_word("--wait");
     if (record_is(r, "full") && !r->options.no_diary) {
         supervise_word("--diary");
     }
@@ -205,11 +206,13 @@ static mu_result crew_start(struct run *r, const struct experiment_crew *crew, s
         supervise_word("--first=%u", crew->first);
     }
     supervise_word("--rules=%s", robot->rules);
-    supervise_word("--world=%s", r->experiment->world);
+    if (has_body) {
+        supervise_word("--world=%s", r->experiment->world);
+    }
     supervise_word("--domain=%d", r->domain);
     supervise_word("--broker=%s", robot->broker ? robot->broker : run_broker(r, 0));
     supervise_word("--seed=%lld", (long long)r->experiment->seed);
-    diary_add(r);
+    mind_add(r);
     for (unsigned i = 0; i < robot->globals_count; i++) {
         supervise_word("--global=%s=%s", robot->globals[i].name, robot->globals[i].value);
     }
@@ -263,7 +266,7 @@ static mu_result host_start(struct run *r, const char *host, struct child *again
     if (r->options.free || again) {
         supervise_word("--restore");
     }
-    diary_add(r);
+    mind_add(r);
     natives_add(r, host);
     return child_start(r, again, host, "muster-host");
 }

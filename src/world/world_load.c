@@ -265,7 +265,8 @@ mu_result world_read(struct world *world, const char *path, const struct world_o
         return mu_fault_at(fault, path, 0, 0, "expected a shorter path");
     }
     source->listener = options->listener;
-    MU_TRY(worldfile_parse(source, path, fault));
+    MU_TRY(strcmp(path, WORLD_NONE) == 0 ? worldfile_parse_text(source, path, "", 0, fault)
+                                         : worldfile_parse(source, path, fault));
     struct builder b = {.world = world,
                         .fault = fault,
                         .listener = options->listener,

@@ -8,6 +8,9 @@
 
 #include "world/model/world.h"
 
+/* In the place of a path: a world in which nothing is. */
+#define WORLD_NONE "none"
+
 struct world_options {
     bool quiet;                               /* no warnings */
     uint64_t seed;                            /* of random places, where the file has none */

@@ -155,6 +155,10 @@ static mu_result keys_value(struct yaml_tree *tree, int node, const struct yaml_
     if (key->kind == YAML_KEY_ANY) {
         return MU_OK;
     }
+    if (key->alone && strcmp(yaml_tree_scalar(tree, node), key->alone) == 0) {
+        *(bool *)field = true;
+        return MU_OK;
+    }
     if (key->kind == YAML_KEY_KEYS) {
         return yaml_keys_read(tree, node, key->keys, field, fault);
     }

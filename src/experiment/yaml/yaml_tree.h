@@ -79,6 +79,8 @@ struct yaml_key {
     bool single;       /* one value may stand for a list of one */
     bool pair;         /* two entries, in the struct itself */
     const struct yaml_key *keys;
+    const char *alone; /* a word that may stand for the mapping; then the struct's first, a bool, is
+                          true */
     const char *const *words;
     const char *what; /* is expected, for people; NULL: as the kind says */
     double absent;    /* a number that the file does not have */

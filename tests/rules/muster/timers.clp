@@ -37,3 +37,9 @@
 ; expect: (again)
 ; steps: 3
 ; expect: (again) 21
+; where times were missed, as in a long sleep, there is one, and then the next
+; line: (progn (cancel again) (assert (timer 0.0 0.5 late)))
+; expect: <Fact-10>
+; steps: 7
+; expect: (late) 23
+; expect: (late) 25
