@@ -64,9 +64,9 @@ struct group_process {
     uint64_t migrations_begun;
     uint64_t migrations_unexpected; /* words of a broker that no migration was waiting for */
     struct checkpoints checkpoints;
-    int64_t ticks;                /* so many steps were the process's own, */
-    uint64_t tick_due_ns;         /* and the next one is due then */
-    mu_agent *envoy; /* speaks for agents on their way; NULL: none was needed yet */
+    int64_t ticks;        /* so many steps were the process's own, */
+    uint64_t tick_due_ns; /* and the next one is due then */
+    mu_agent *envoy;      /* speaks for agents on their way; NULL: none was needed yet */
     /** Hears whether an agent that arrived got its name; NULL: no agent arrives. */
     void (*on_arrived)(struct robot *r, bool accepted, const char *reason);
     /* Buffers of an answer; one robot answers at a time. */

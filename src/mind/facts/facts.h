@@ -84,7 +84,7 @@ struct mind_inputs {
     enum percept_body body;
     uint32_t senses_named; /* enum mu_sense: sensors whose functions rules call */
     struct deftemplate *time, *tick, *position;
-    struct fact *time_fact; /* NULL: no rule looks at it */
+    struct fact *time_fact;     /* NULL: no rule looks at it */
     struct fact *position_fact; /* without a body that of the tick */
     struct multifield *timers;  /* while (reset) goes on */
     bool ring_unseen; /* the ring's fact is left out: no rule has a pattern of it, and no query has

@@ -155,7 +155,8 @@ static void test_schema_faults(void)
         {BASE "name:\n", 6, 6, "expected a text, not 'nothing'"},
         {BASE "name: [a]\n", 6, 7, "expected a text, not 'a list'"},
         {BASE "brokers: b\n", 6, 10, "expected a list, not 'b'"},
-        {"duration: 1\nrobots: []\n", 1, 1, "expected a key 'world'"},
+        {"duration: 1\nrobots: [{name: a, rules: a.clp}]\n", 1, 1, "expected a key 'world'"},
+        {"world: a.world\nduration: 1\n", 1, 1, "expected robots, or agents"},
         {"world: a.world\nduration: abc\nrobots: []\n", 2, 11, "expected a number, not 'abc'"},
         {"world: a.world\nduration: .inf\nrobots: []\n", 2, 11, "expected a number"},
         {"world: a.world\nduration: nan\nrobots: []\n", 2, 11, "expected a number"},
@@ -170,6 +171,40 @@ static void test_schema_faults(void)
          "expected a number, not 'x'"},
     };
     CHECK_BAD(cases);
+}
+
+static void test_agent_faults(void)
+{
+    static const struct bad_case cases[] = {
+        {BASE "agents: [{name: red, rules: a.clp}]\n", 6, 17, "a second robot or agent"},
+        {BASE "agents: [{name: boss, rules: a.clp, body: b}]\n", 6, 37, "unknown key 'body'"},
+        {BASE "agents: [{name: boss}]\n", 6, 10, "expected a key 'rules'"},
+        {BASE "simulator: none\n", 1, 8, "expected no world: there is no simulator"},
+        {BASE "simulator: nobody\n", 6, 12, "expected a mapping"},
+        {"simulator: none\nduration: 1\nrobots: [{name: a, rules: a.clp}]\n", 3, 9,
+         "expected agents alone"},
+        {BASE "agents: [{name: boss, rules: a.clp}]\nexpect: [{near: [red, boss], within: 1}]\n", 7,
+         23, "no robot 'boss' in this experiment"},
+    };
+    CHECK_BAD(cases);
+}
+
+static void test_agents(void)
+{
+    static const char text[] = "simulator: none\nduration: 1\nagents:\n"
+                               "  - {name: boss, rules: a.clp, standby: true}\n"
+                               "  - {name: w, count: 5, processes: 2, rules: a.clp}\n"
+                               "observer: [{at: 0, do: w_4, line: \"(x)\"}]\n"
+                               "expect: [{statistic: w_1.mail_sent, at_least: 0}]\n";
+    CU_ASSERT_EQUAL_FATAL(load(text, NULL), MU_OK);
+    CU_ASSERT_TRUE(e->simulator.none);
+    CU_ASSERT_EQUAL(e->robots_count, 0);
+    CU_ASSERT_EQUAL_FATAL(e->agents_count, 6);
+    CU_ASSERT_EQUAL_FATAL(e->crews_count, 3);
+    CU_ASSERT_TRUE(e->agents[0].standby);
+    CU_ASSERT_STRING_EQUAL(e->agents[5].name, "w_4");
+    CU_ASSERT_EQUAL(e->crews[2].count, 3);
+    CU_ASSERT_EQUAL(experiment_robot_find(e, "w_2"), 3);
 }
 
 static void test_robot_faults(void)
@@ -668,6 +703,8 @@ int main(void)
         {"what is started again", test_what_is_started_again},
         {"faults of the schema", test_schema_faults},
         {"faults of robots", test_robot_faults},
+        {"agents without a body", test_agents},
+        {"faults of agents", test_agent_faults},
         {"many robots", test_many_robots},
         {"faults of many robots", test_faults_of_many_robots},
         {"faults of the rest", test_other_faults},
