@@ -35,7 +35,7 @@ static bool cycle(struct mind *m, uint64_t step)
                                  .sonar_m = sonar_m};
     char content[64];
     snprintf(content, sizeof content, "mate-pos red %.3f 100.0", 1000.0 * x_m + 1500.0);
-    struct mind_mail mail = {step + 1, "red", "", "", "", "", "", "", content, 0};
+    struct mind_mail mail = {step + 1, "red", "", "", "", "", "", "", content, 0, 0};
     struct mind_act act;
     mind_percept(m, &percept);
     bool taken = mind_take_mail(m, &mail) == MU_OK;

@@ -19,6 +19,8 @@ static void robot_begin(struct robot *r)
     probes_answer(r->agent, console_look);
     returns_hear(r->agent, r->group->program->on_return);
     percept_ask(r->agent, r->mind);
+    mu_result offered = resolver_resolve(r); /* it has no name yet, so that nothing goes out */
+    MU_ASSERT(offered == MU_OK);
 }
 
 mu_result agent_join(struct robot *r)

@@ -46,6 +46,7 @@ static struct mind_mail letter_of(const struct mu_mail *mail, uint64_t id)
                               .in_reply_to = mail->in_reply_to,
                               .conversation = mail->conversation,
                               .content = mail->content,
+                              .reply_by_ns = mail->reply_by_ns,
                               .layer = mail->layer};
 }
 

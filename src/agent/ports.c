@@ -62,14 +62,15 @@ static mu_result port_listing(void *self, size_t index, struct mind_member *out)
 }
 
 static mu_result port_change(void *self, enum mind_change change, const char *name,
-                             const char *attributes)
+                             const char *attributes, uint64_t lease_ns)
 {
     mu_agent *a = ((struct robot *)self)->agent;
     switch (change) {
+    case MIND_RESOLVE: return resolver_resolve(self);
     case MIND_GROUP_CREATE: return mu_agent_group_create(a, name);
     case MIND_GROUP_JOIN: return mu_agent_group_join(a, name);
     case MIND_GROUP_LEAVE: return mu_agent_group_leave(a, name);
-    case MIND_ADVERTISE: return mu_agent_advertise(a, name, attributes, 0);
+    case MIND_ADVERTISE: return mu_agent_advertise(a, name, attributes, lease_ns);
     case MIND_WITHDRAW: return mu_agent_withdraw(a, name);
     }
     return MU_MALFORMED;

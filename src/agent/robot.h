@@ -201,6 +201,16 @@ void percept_ask(mu_agent *a, const struct mind *mind);
  */
 void percept_settle(struct robot *r);
 
+/* resolver.c */
+
+/**
+ * Makes a robot the resolver of the scheme that its rules resolve, if they do; before it has joined
+ * its process, nothing.
+ *
+ * @return as mu_agent_resolve
+ */
+MU_MUST_USE mu_result resolver_resolve(struct robot *r);
+
 /* ports.c */
 
 /** @return the ports of its mind */

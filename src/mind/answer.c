@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Answers of a mind: to a question of one word by a deffunction, as (ask-one red status) calls
- * (answer-status); its goal; its facts; and mail of a layer by the handlers of that layer.
+ * (answer-status); its goal; its facts; mail of a layer by the handlers of that layer; and the
+ * agents for which an address stands.
  */
+#include "core/name.h"
 #include "core/performatives.h"
 #include "mind/mind.h"
 #include "mind/snapshot/snapshot.h"
@@ -163,6 +165,96 @@ bool mind_understands(const struct mind *m, const struct mind_mail *mail)
         return word[0] == '\0' || mu_performative_known(word);
     }
     return layer_of(mail) > MU_LAYER_SPEECH && mind_has_layer(m, layer_of(mail));
+}
+
+/* --- addresses -------------------------------------------------------------------------------- */
+
+const char *mind_scheme(const struct mind *m)
+{
+    return output_of(m)->scheme;
+}
+
+/* @return false: the value is no name */
+static bool resolve_add(struct mu_text *names, unsigned short type, const void *value)
+{
+    const char *name = type == SYMBOL || type == STRING ? ValueToString(value) : "";
+    mu_text_add(names, names->len > 0 ? "," : "");
+    mu_text_add(names, name);
+    return mu_name_valid(name);
+}
+
+/* @return whether the resolver's value is FALSE, or names, which are written */
+static bool resolve_write(const struct mind *m, const DATA_OBJECT *value, bool *known,
+                          struct mu_text *names)
+{
+    *known = !(value->type == SYMBOL && value->value == EnvFalseSymbol(m->env));
+    if (value->type != MULTIFIELD) {
+        return !*known || resolve_add(names, value->type, value->value);
+    }
+    bool good = true;
+    for (long i = value->begin; good && i <= value->end; i++) {
+        const struct field *f = &((struct multifield *)value->value)->theFields[i];
+        good = resolve_add(names, f->type, f->value);
+    }
+    return good;
+}
+
+/* What stands behind the colon: a number if it is nothing else. */
+static struct expr rest_argument(const struct mind *m, const char *rest)
+{
+    const char *behind = rest;
+    struct syntax_field f = syntax_read_field(&behind);
+    bool whole = *behind == '\0' && f.at == rest;
+    if (whole && f.kind == SYNTAX_FIELD_INTEGER) {
+        return (struct expr){.type = INTEGER, .value = EnvAddLong(m->env, f.integer)};
+    }
+    if (whole && f.kind == SYNTAX_FIELD_FLOAT) {
+        return (struct expr){.type = FLOAT, .value = EnvAddDouble(m->env, f.real)};
+    }
+    return (struct expr){.type = SYMBOL, .value = EnvAddSymbol(m->env, rest)};
+}
+
+/* @return whether there is such an address; a resolver that ends in an error says so */
+static bool resolver_call(struct mind *m, struct deffunctionStruct *f, struct expr *arguments,
+                          struct mu_text *names)
+{
+    static const char wrong[] = "a resolver returns a name, a multifield of names, or FALSE\n";
+    struct expr call = {.type = PCALL, .value = f, .argList = arguments};
+    DATA_OBJECT result;
+    bool known = false;
+    environment_begin(m);
+    bool good = !EvaluateExpression(m->env, &call, &result);
+    if (good && !resolve_write(m, &result, &known, names)) {
+        EnvPrintRouter(m->env, WERROR, wrong);
+        good = false;
+    }
+    bool failed = environment_end(m);
+    if (failed || m->said.len > 0) {
+        complaint_show(m, "function", EnvGetDeffunctionName(m->env, f));
+    }
+    return !failed && good && known;
+}
+
+bool mind_resolve(struct mind *m, const char *rest, const char *sender, struct mu_text *names)
+{
+    struct deffunctionStruct *f = state_has_rules(m) ? layers_resolver(m) : NULL;
+    if (!f || !MIND_ENTER(m, STATE_HANDLE)) {
+        return false;
+    }
+    struct expr arguments[RESOLVER_ARGUMENTS] = {
+        rest_argument(m, rest), {.type = SYMBOL, .value = EnvAddSymbol(m->env, sender)}};
+    arguments[0].nextArg = &arguments[1];
+    for (size_t i = 0; i < RESOLVER_ARGUMENTS; i++) {
+        AtomInstall(m->env, arguments[i].type, arguments[i].value);
+    }
+    bool good = resolver_call(m, f, arguments, names);
+    for (size_t i = 0; i < RESOLVER_ARGUMENTS; i++) {
+        AtomDeinstall(m->env, arguments[i].type, arguments[i].value);
+    }
+    CleanCurrentGarbageFrame(m->env, NULL);
+    CallPeriodicTasks(m->env);
+    (void)mind_leave(m);
+    return good;
 }
 
 /* --- the question for facts ------------------------------------------------------------------- */

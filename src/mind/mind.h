@@ -164,6 +164,18 @@ bool mind_handle(struct mind *m, const struct mind_mail *mail);
  */
 bool mind_answer(struct mind *m, const struct mind_mail *mail, struct mu_text *out);
 
+/** @return the scheme of the addresses that rules resolve: (on-resolve); "": none */
+const char *mind_scheme(const struct mind *m);
+
+/**
+ * Calls the rules' resolver of addresses.
+ *
+ * @param rest   what stands behind the colon
+ * @param names  the names of the receivers are added, joined by commas
+ * @return whether there is such an address; not if the resolver ends in an error
+ */
+bool mind_resolve(struct mind *m, const char *rest, const char *sender, struct mu_text *names);
+
 /**
  * @return whether a mail that no handler took is one for mind_take_mail: an answer; a speech act
  *         whose performative is empty, KQML's or FIPA's; any of a higher layer with a handler

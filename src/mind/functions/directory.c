@@ -21,11 +21,12 @@ static bool group_name(void *env, const char *function, const char *wanted, cons
 }
 
 static void group_begin(void *env, enum mind_change change, const char *name,
-                        const char *attributes, DATA_OBJECT *out)
+                        const char *attributes, uint64_t lease_ns, DATA_OBJECT *out)
 {
     const struct mind_ports *ports = &environment_mind(env)->options.ports;
     value_bool(env, out,
-               ports->change && ports->change(ports->self, change, name, attributes) == MU_OK);
+               ports->change &&
+                   ports->change(ports->self, change, name, attributes, lease_ns) == MU_OK);
 }
 
 /* (FUNCTION NAME) */
@@ -35,7 +36,7 @@ static void group_change(void *env, const char *function, enum mind_change chang
     const char *name;
     value_bool(env, out, false);
     if (group_name(env, function, wanted, &name)) {
-        group_begin(env, change, name, "", out);
+        group_begin(env, change, name, "", 0, out);
     }
 }
 
@@ -73,25 +74,58 @@ static bool word_add(struct mu_text *to, unsigned short type, const void *value)
     }
 }
 
+/* Words for how long something lasts, elsewhere: an attribute of that name would be a mistake. */
+static bool key_is_mistaken(const char *key)
+{
+    static const char *const words[] = {"ttl", "reply-by", "lease-time", "expires"};
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        if (strcmp(words[i], key) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Adds a key or a value.  @return false: it can be none */
+static bool attribute_add(struct mu_text *to, const DATA_OBJECT *word, bool is_key)
+{
+    mu_text_add(to, is_key && to->len > 0 ? " " : "");
+    size_t start = to->len;
+    bool good = word_add(to, word->type, word->value) && !strpbrk(to->at + start, " ") &&
+                (!is_key || mu_name_valid(to->at + start));
+    mu_text_add(to, is_key ? "=" : "");
+    return good;
+}
+
+/* Reads a key and its value: an attribute, or the lease. */
+static bool attribute_read(void *env, int index, struct mu_text *to, uint64_t *lease_ns)
+{
+    DATA_OBJECT key, value;
+    if (!value_any(env, index, &key)) {
+        return false;
+    }
+    const char *word = key.type == SYMBOL || key.type == STRING ? ValueToString(key.value) : "";
+    if (strcmp(word, "lease") == 0) {
+        return send_seconds(env, "advertise", index + 1, "lease", lease_ns);
+    }
+    if (key_is_mistaken(word)) {
+        value_refuse(env, "advertise", "lease in place of ttl, reply-by, lease-time or expires");
+        return false;
+    }
+    return attribute_add(to, &key, true) && value_any(env, index + 1, &value) &&
+           attribute_add(to, &value, false);
+}
+
 /*
  * Writes the arguments from the second on as key=value.
  * @return false: they are no such pairs, or one ended in an error
  */
-static bool attributes_read(void *env, struct mu_text *to)
+static bool attributes_read(void *env, struct mu_text *to, uint64_t *lease_ns)
 {
     int count = EnvRtnArgCount(env);
     bool good = count % 2 == 1;
-    for (int i = 2; good && i <= count; i++) {
-        DATA_OBJECT value;
-        if (!value_any(env, i, &value)) {
-            return false;
-        }
-        bool is_key = i % 2 == 0;
-        mu_text_add(to, is_key && to->len > 0 ? " " : "");
-        size_t start = to->len;
-        good = word_add(to, value.type, value.value) && !strpbrk(to->at + start, " ") &&
-               (!is_key || mu_name_valid(to->at + start));
-        mu_text_add(to, is_key ? "=" : "");
+    for (int i = 2; good && i < count; i += 2) {
+        good = attribute_read(env, i, to, lease_ns);
     }
     return good && !to->cut && mu_attributes_valid(to->at);
 }
@@ -101,13 +135,14 @@ void directory_advertise(void *env, DATA_OBJECT *out)
     char bytes[MU_ATTRIBUTES_MAX + 1];
     struct mu_text attributes;
     const char *service;
+    uint64_t lease_ns = 0;
     value_bool(env, out, false);
     if (!group_name(env, "advertise", "a name for a service", &service)) {
         return;
     }
     mu_text_init(&attributes, bytes, sizeof bytes);
-    if (attributes_read(env, &attributes)) {
-        group_begin(env, MIND_ADVERTISE, service, bytes, out);
+    if (attributes_read(env, &attributes, &lease_ns)) {
+        group_begin(env, MIND_ADVERTISE, service, bytes, lease_ns, out);
     } else if (!GetEvaluationError(env)) {
         value_refuse(env, "advertise",
                      "pairs of key and value: each key a name, and once; values without "

@@ -33,6 +33,9 @@ struct mind_output {
     size_t handler_count;
     const struct mind_mail *handled; /* the mail of the handler that runs, or NULL */
 
+    char scheme[MU_NAME_MAX + 1]; /* of the addresses that the agent resolves; "": none */
+    SYMBOL_HN *resolver;          /* the deffunction that does; NULL: none */
+
     /* the agent's own life */
     enum mind_wish wish;
     uint32_t wish_rules;
@@ -68,7 +71,23 @@ MU_MUST_USE mu_result layers_add(struct mind *m, uint32_t layer, const char *fun
 /** @return the deffunction of that name if it can be called as a handler, or NULL */
 struct deffunctionStruct *layers_function(const struct mind *m, const char *name);
 
-enum { LAYERS_ARGUMENTS = 4 }; /* of a handler: id, from, performative, content */
+/**
+ * Makes a deffunction the one that resolves addresses of a scheme, in place of an earlier one.
+ *
+ * @return MU_OK; MU_ABSENT: there is none that takes two arguments; MU_MALFORMED: no scheme
+ */
+MU_MUST_USE mu_result layers_set_resolver(struct mind *m, const char *scheme, const char *function);
+
+/** Does so, and offers it.  @return likewise; MU_FULL: no room for the offer */
+MU_MUST_USE mu_result layers_resolve(struct mind *m, const char *scheme, const char *function);
+
+/** @return the deffunction that resolves addresses if it can be called, or NULL */
+struct deffunctionStruct *layers_resolver(const struct mind *m);
+
+enum {
+    LAYERS_ARGUMENTS = 4,   /* of a handler: id, from, performative, content */
+    RESOLVER_ARGUMENTS = 2, /* of a resolver: rest, sender */
+};
 
 /* lifecycle.c */
 

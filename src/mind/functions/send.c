@@ -139,6 +139,34 @@ const char *send_address(void *env, const char *function, int index, const char 
     return names;
 }
 
+bool send_seconds(void *env, const char *function, int index, const char *key, uint64_t *ns)
+{
+    char wanted[64];
+    double seconds;
+    if (!value_number(env, function, index, &seconds)) {
+        return false;
+    }
+    if (!(seconds > 0 && seconds < 1e9)) {
+        snprintf(wanted, sizeof wanted, "a number of seconds above 0 behind %s", key);
+        value_refuse(env, function, wanted);
+        return false;
+    }
+    *ns = (uint64_t)(seconds * 1e9);
+    return true;
+}
+
+bool send_performative(void *env, const char *function, int index, struct mind_letter *letter)
+{
+    if (!value_word(env, function, index, &letter->performative)) {
+        return false;
+    }
+    if (strlen(letter->performative) > MU_FIELD_MAX) {
+        value_refuse(env, function, "a performative of at most 63 bytes");
+        return false;
+    }
+    return true;
+}
+
 void send_hand(void *env, const struct mind_letter *letter, DATA_OBJECT *out)
 {
     struct mind *m = environment_mind(env);
@@ -288,6 +316,17 @@ void send_near(void *env, DATA_OBJECT *out)
     send_letter(env, "send-near", &letter, &fields, out);
 }
 
+/* --- answers ---------------------------------------------------------------------------------- */
+
+/* Slots of a mail fact. */
+enum {
+    SLOT_FROM = 1,
+    SLOT_ONTOLOGY = 5,
+    SLOT_REPLY_WITH = 6,
+    SLOT_CONVERSATION = 8,
+    SLOT_LAYER = 10
+};
+
 /* The text of a mail fact's slot, "" for nil. */
 static const char *send_slot(const struct fact *f, size_t index)
 {
@@ -297,30 +336,43 @@ static const char *send_slot(const struct fact *f, size_t index)
     return strcmp(text, "nil") == 0 ? "" : text;
 }
 
+/* @return the mail fact that a value is, or NULL */
+static const struct fact *mail_fact(const struct mind *m, const DATA_OBJECT *mail)
+{
+    const struct fact *f = mail->type == FACT_ADDRESS ? mail->value : NULL;
+    return f && f->whichDeftemplate == inputs_of(m)->mail ? f : NULL;
+}
+
+/* @return the mail of the handler that runs, if the value is its number: it is no fact yet */
+static const struct mind_mail *mail_handled(const struct mind *m, const DATA_OBJECT *mail)
+{
+    const struct mind_mail *handled = output_of(m)->handled;
+    bool is_it = handled && mail->type == INTEGER &&
+                 (uint64_t)((const struct integerHashNode *)mail->value)->contents == handled->id;
+    return is_it ? handled : NULL;
+}
+
 static bool reply_to_fact(const struct mind *m, const DATA_OBJECT *mail, struct mind_letter *letter)
 {
-    enum { FROM = 1, ONTOLOGY = 5, REPLY_WITH = 6, CONVERSATION = 8, LAYER = 10 };
-    const struct fact *f = mail->type == FACT_ADDRESS ? mail->value : NULL;
-    if (!f || f->whichDeftemplate != inputs_of(m)->mail || !mu_name_valid(send_slot(f, FROM))) {
+    const struct fact *f = mail_fact(m, mail);
+    if (!f || !mu_name_valid(send_slot(f, SLOT_FROM))) {
         return false;
     }
-    const struct field *layer = &f->theProposition.theFields[LAYER];
+    const struct field *layer = &f->theProposition.theFields[SLOT_LAYER];
     double number = value_of(layer->type, layer->value);
-    letter->dst = send_slot(f, FROM);
-    letter->ontology = send_slot(f, ONTOLOGY);
-    letter->in_reply_to = send_slot(f, REPLY_WITH);
-    letter->conversation = send_slot(f, CONVERSATION);
+    letter->dst = send_slot(f, SLOT_FROM);
+    letter->ontology = send_slot(f, SLOT_ONTOLOGY);
+    letter->in_reply_to = send_slot(f, SLOT_REPLY_WITH);
+    letter->conversation = send_slot(f, SLOT_CONVERSATION);
     letter->layer = number >= 1 && number <= UINT32_MAX ? (uint32_t)number : 0;
     return true;
 }
 
-/* Finds the mail by its number: for a handler of a layer it is no fact yet. */
 static bool reply_to_handled(const struct mind *m, const DATA_OBJECT *mail,
                              struct mind_letter *letter)
 {
-    const struct mind_mail *handled = output_of(m)->handled;
-    if (!handled || mail->type != INTEGER ||
-        (uint64_t)((const struct integerHashNode *)mail->value)->contents != handled->id) {
+    const struct mind_mail *handled = mail_handled(m, mail);
+    if (!handled) {
         return false;
     }
     letter->dst = handled->src;
@@ -331,23 +383,120 @@ static bool reply_to_handled(const struct mind *m, const DATA_OBJECT *mail,
     return true;
 }
 
-void send_reply(void *env, DATA_OBJECT *out)
+/* Answers the mail of the first argument with the fields from argument `first` on. */
+static void reply_send(void *env, const char *function, int first, struct mind_letter *letter,
+                       DATA_OBJECT *out)
 {
     const struct mind *m = environment_mind(env);
-    struct mind_letter letter = send_blank;
-    DATA_OBJECT mail;
-    DATA_OBJECT fields;
-    value_bool(env, out, false);
-    if (!send_fields(env, "reply", 2, &fields) || !value_any(env, 1, &mail)) {
+    DATA_OBJECT mail, fields;
+    if (!send_fields(env, function, first, &fields) || !value_any(env, 1, &mail)) {
         return;
     }
-    letter.performative = "tell";
-    if (!reply_to_fact(m, &mail, &letter) && !reply_to_handled(m, &mail, &letter)) {
-        value_refuse(env, "reply", "a mail fact and fields");
+    if (!reply_to_fact(m, &mail, letter) && !reply_to_handled(m, &mail, letter)) {
+        value_refuse(env, function, "a mail fact, or in a handler the number of its mail");
         return;
     }
-    send_letter(env, "reply", &letter, &fields, out);
+    send_letter(env, function, letter, &fields, out);
 }
+
+void send_reply(void *env, DATA_OBJECT *out)
+{
+    struct mind_letter letter = send_blank;
+    value_bool(env, out, false);
+    letter.performative = "tell";
+    reply_send(env, "reply", 2, &letter, out);
+}
+
+void send_reply_as(void *env, DATA_OBJECT *out)
+{
+    struct mind_letter letter = send_blank;
+    value_bool(env, out, false);
+    if (send_performative(env, "reply-as", 2, &letter)) {
+        reply_send(env, "reply-as", 3, &letter, out);
+    }
+}
+
+/* The parameters of a mail, in the order of their slots in a mail fact. */
+static const struct parameter {
+    const char *key;
+    size_t slot;   /* of a mail fact */
+    size_t offset; /* of the word in a mail that a handler has */
+} parameters[] = {
+    {"from", SLOT_FROM, offsetof(struct mind_mail, src)},
+    {"performative", 3, offsetof(struct mind_mail, performative)},
+    {"language", 4, offsetof(struct mind_mail, language)},
+    {"ontology", SLOT_ONTOLOGY, offsetof(struct mind_mail, ontology)},
+    {"reply-with", SLOT_REPLY_WITH, offsetof(struct mind_mail, reply_with)},
+    {"in-reply-to", 7, offsetof(struct mind_mail, in_reply_to)},
+    {"conversation", SLOT_CONVERSATION, offsetof(struct mind_mail, conversation)},
+};
+
+static const struct parameter *parameter_find(const char *key)
+{
+    for (size_t i = 0; i < sizeof parameters / sizeof parameters[0]; i++) {
+        if (strcmp(parameters[i].key, key) == 0) {
+            return &parameters[i];
+        }
+    }
+    return NULL;
+}
+
+/* Reads a parameter of a handler's mail.  @return false: there is none of that name */
+static bool parameter_of_handled(void *env, const struct mind_mail *mail, const char *key,
+                                 DATA_OBJECT *out)
+{
+    const struct parameter *p = parameter_find(key);
+    if (p) {
+        const char *word = *(const char *const *)((const char *)mail + p->offset);
+        bool is_clips = p->offset == offsetof(struct mind_mail, language) && !word[0];
+        value_symbol(env, out, is_clips ? "clips" : word[0] ? word : "nil");
+    } else if (strcmp(key, "layer") == 0) {
+        value_integer(env, out, mail->layer ? mail->layer : MU_LAYER_SPEECH);
+    } else if (strcmp(key, "reply-by") == 0 && mail->reply_by_ns) {
+        value_float(env, out, (double)mail->reply_by_ns * 1e-9);
+    } else if (strcmp(key, "reply-by") == 0) {
+        value_symbol(env, out, "nil");
+    } else {
+        return false;
+    }
+    return true;
+}
+
+static bool parameter_of_fact(const struct fact *f, const char *key, DATA_OBJECT *out)
+{
+    const struct parameter *p = parameter_find(key);
+    bool is_layer = strcmp(key, "layer") == 0;
+    if (p || is_layer) {
+        const struct field *slot =
+            &f->theProposition.theFields[is_layer ? (size_t)SLOT_LAYER : p->slot];
+        out->type = slot->type;
+        out->value = slot->value;
+    }
+    return p || is_layer;
+}
+
+void send_mail_parameter(void *env, DATA_OBJECT *out)
+{
+    const struct mind *m = environment_mind(env);
+    DATA_OBJECT mail;
+    const char *key;
+    value_bool(env, out, false);
+    if (!value_any(env, 1, &mail) || !value_word(env, "mail-parameter", 2, &key)) {
+        return;
+    }
+    const struct fact *f = mail_fact(m, &mail);
+    const struct mind_mail *handled = mail_handled(m, &mail);
+    if (!f && !handled) {
+        value_refuse(env, "mail-parameter", "a mail fact, or in a handler the number of its mail");
+    } else if (!(f ? parameter_of_fact(f, key, out)
+                   : parameter_of_handled(env, handled, key, out))) {
+        value_refuse(env, "mail-parameter",
+                     "one of these parameters: from performative language ontology reply-with "
+                     "in-reply-to conversation layer, and in a handler reply-by");
+    }
+}
+
+/* --- directives ------------------------------------------------------------------------------- */
 
 /* @return whether it is the name of a group, and of no agent */
 static bool you_do_group(const struct mind *m, const char *name)

@@ -36,8 +36,17 @@ static bool speak_reply_by(void *env, int index, size_t offset, struct mind_lett
         return false;
     }
     letter->reply_by_ns = (uint64_t)(until_s * 1e9);
-    letter->ttl_ns = (uint64_t)((until_s - now_s) * 1e9);
+    if (letter->ttl_ns == 0) { /* ttl says something else, in either order */
+        letter->ttl_ns = (uint64_t)((until_s - now_s) * 1e9);
+    }
     return true;
+}
+
+/* ttl SECONDS: the mail is of no use when it is so old. */
+static bool speak_ttl(void *env, int index, size_t offset, struct mind_letter *letter)
+{
+    (void)offset;
+    return send_seconds(env, "speak", index, "ttl", &letter->ttl_ns);
 }
 
 static bool layer_read(void *env, const char *function, int index, uint32_t *layer)
@@ -106,6 +115,7 @@ static const struct {
     {"in-reply-to", speak_word, offsetof(struct mind_letter, in_reply_to)},
     {"conversation", speak_word, offsetof(struct mind_letter, conversation)},
     {"reply-by", speak_reply_by, 0},
+    {"ttl", speak_ttl, 0},
     {"layer", speak_layer, 0},
     {"priority", speak_priority, 0},
     {"level", speak_level, 0},
@@ -124,21 +134,8 @@ static bool speak_key_value(void *env, int index, struct mind_letter *letter)
     }
     value_refuse(env, "speak",
                  "pairs of a value and one of these keys: language ontology reply-with "
-                 "in-reply-to reply-by conversation layer priority level");
+                 "in-reply-to reply-by conversation ttl layer priority level");
     return false;
-}
-
-static bool speak_performative(void *env, const char *function, int index,
-                               struct mind_letter *letter)
-{
-    if (!value_word(env, function, index, &letter->performative)) {
-        return false;
-    }
-    if (strlen(letter->performative) > MU_FIELD_MAX) {
-        value_refuse(env, function, "a performative of at most 63 bytes");
-        return false;
-    }
-    return true;
 }
 
 void speak_send(void *env, DATA_OBJECT *out)
@@ -152,7 +149,7 @@ void speak_send(void *env, DATA_OBJECT *out)
         value_refuse(env, "speak", "a performative, a name, a content and pairs of key, value");
         return;
     }
-    if (!speak_performative(env, "speak", 1, &letter) || !value_any(env, 3, &fields)) {
+    if (!send_performative(env, "speak", 1, &letter) || !value_any(env, 3, &fields)) {
         return;
     }
     for (int i = 4; i < count; i += 2) {
@@ -186,7 +183,7 @@ void speak_send_layer(void *env, DATA_OBJECT *out)
     value_bool(env, out, false);
     if (!send_fields(env, "send-layer", 4, &fields) ||
         !layer_read(env, "send-layer", 1, &letter.layer) ||
-        !speak_performative(env, "send-layer", 2, &letter)) {
+        !send_performative(env, "send-layer", 2, &letter)) {
         return;
     }
     letter.dst = send_address(env, "send-layer", 3, "the name of an agent, or several");

@@ -60,10 +60,10 @@ static void function_note(struct mind *m, const char *name,
 
 /* Functions that send mail, or change groups and services, and those that call any function. */
 static const char *const function_speech[] = {
-    "send",       "broadcast",   "speak",     "tell",       "ask-one",    "ask-all",
-    "achieve",    "reply",       "you-do",    "send-layer", "group-send", "group-create",
-    "group-join", "group-leave", "advertise", "withdraw",   "send-role",  "send-task",
-    "send-near",  "eval",        "build",     "funcall"};
+    "send",       "broadcast",   "speak",      "tell",       "ask-one",    "ask-all",
+    "achieve",    "reply",       "you-do",     "send-layer", "group-send", "group-create",
+    "group-join", "group-leave", "advertise",  "withdraw",   "send-role",  "send-task",
+    "send-near",  "reply-as",    "on-resolve", "eval",       "build",      "funcall"};
 
 static struct expr *speech_parse(void *env, struct expr *top, const char *source)
 {

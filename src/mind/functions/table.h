@@ -103,8 +103,9 @@
     X("speak", 'u', speak_send, "3*u", \
       "(speak performative to (create$ field...) key value...)", \
       "mail with its envelope; keys: language ontology reply-with in-reply-to reply-by (a time " \
-      "of the run in s) conversation, and layer (a number), priority (low normal high), " \
-      "level (ram logged synced).  TRUE or FALSE; with reply-with that word") \
+      "of the run in s) conversation, and ttl (s, after which it expires; without it reply-by), " \
+      "layer (a number), priority (low normal high), level (ram logged synced).  Another key is " \
+      "an error.  TRUE or FALSE; with reply-with that word") \
     X("tell", 'u', send_tell, "1*", \
       "(tell to field...)", \
       "speak with the performative tell; TRUE or FALSE") \
@@ -121,6 +122,14 @@
       "(reply mail field...)", \
       "answers a mail fact, or in a handler of a layer the mail of that number, with a tell in " \
       "its layer that bears its reply-with and conversation; TRUE or FALSE") \
+    X("reply-as", 'u', send_reply_as, "2*u", \
+      "(reply-as mail performative field...)", \
+      "reply with another performative: `(reply-as ?mail propose price 10)`") \
+    X("mail-parameter", 'u', send_mail_parameter, "22u", \
+      "(mail-parameter mail key)", \
+      "a parameter of a mail fact, or in a handler of a layer of the mail of that number: from " \
+      "performative language ontology reply-with in-reply-to conversation layer, and in a " \
+      "handler reply-by (a time of the run in s); nil when the sender gave none") \
     X("you-do", 'u', send_you_do, "2*u", \
       "(you-do who command field...)", \
       "makes who (a name, all, robots, special, a group, or a multifield of names) evaluate " \
@@ -135,6 +144,13 @@
       "content)` of each mail of that layer, before the mail becomes a fact.  When it returns " \
       "FALSE the handler that was there before is asked, then what every agent can do; anything " \
       "else: it has taken the mail.  May stand outside of rules in a rule file") \
+    X("on-resolve", 'u', layers_on_resolve, "22k", \
+      "(on-resolve scheme function)", \
+      "makes this agent the resolver of the addresses `scheme:rest`: the deffunction is called " \
+      "with `(rest sender)`, rest a number or a symbol.  It returns the receivers: a name, a " \
+      "multifield of names, or FALSE when there is no such address.  An agent resolves one " \
+      "scheme, a later call replaces it.  May stand outside of rules in a rule file; TRUE or " \
+      "FALSE") \
     X("group-create", 'u', directory_create, "11k", \
       "(group-create group)", \
       "makes a group without members; TRUE or FALSE.  A change takes effect when the broker has " \
@@ -157,7 +173,8 @@
     X("advertise", 'u', directory_advertise, "1*uk", \
       "(advertise service key value...)", \
       "offers a service with these attributes: symbols, strings without blanks, numbers; offered " \
-      "again, they are replaced.  TRUE or FALSE") \
+      "again, they are replaced.  The key lease is no attribute: so many s the offer stands " \
+      "unless it is renewed.  ttl, reply-by, lease-time and expires are errors.  TRUE or FALSE") \
     X("withdraw", 'u', directory_withdraw, "11k", \
       "(withdraw service)", \
       "no longer offers it; TRUE or FALSE") \
@@ -323,6 +340,12 @@ const char *send_address(void *env, const char *function, int index, const char 
 
 /** Writes a new word for the reply-with of a question.  @return to */
 const char *send_question(void *env, char *to, size_t size);
+
+/** Reads a performative into a letter.  @return false, after a CLIPS error */
+bool send_performative(void *env, const char *function, int index, struct mind_letter *letter);
+
+/** Reads a number of seconds above 0, of a key.  @return false, after a CLIPS error */
+bool send_seconds(void *env, const char *function, int index, const char *key, uint64_t *ns);
 
 /**
  * Hands a letter over.  The result is FALSE without room, else TRUE or the word that the answer

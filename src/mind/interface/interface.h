@@ -27,8 +27,9 @@ struct mind_mail {
     const char *src;
     const char *performative, *language, *ontology;
     const char *reply_with, *in_reply_to, *conversation;
-    const char *content; /* in its language; "clips": fields as CLIPS prints them */
-    uint32_t layer;      /* enum mu_layer, or a higher one; 0: MU_LAYER_SPEECH */
+    const char *content;  /* in its language; "clips": fields as CLIPS prints them */
+    uint64_t reply_by_ns; /* an answer after this time of the run is not wanted; 0: any time */
+    uint32_t layer;       /* enum mu_layer, or a higher one; 0: MU_LAYER_SPEECH */
 };
 
 /* A mail that rules send.  The strings live until the port returns. */
@@ -45,13 +46,15 @@ struct mind_letter {
     enum mu_level level;
 };
 
-/* What rules change in the groups and the yellow pages. */
+/* What rules change in the groups and the yellow pages; MIND_RESOLVE: the agent resolves addresses
+ * of the scheme that is named. */
 enum mind_change {
     MIND_GROUP_CREATE,
     MIND_GROUP_JOIN,
     MIND_GROUP_LEAVE,
     MIND_ADVERTISE,
-    MIND_WITHDRAW
+    MIND_WITHDRAW,
+    MIND_RESOLVE
 };
 
 /* What rules ask of them. */
@@ -78,9 +81,10 @@ struct mind_ports {
     mu_result (*lookup)(void *self, const char *name, struct mind_member *out);
     /** The index-th line of the white pages in order of name.  MU_OK, or MU_DONE past the last. */
     mu_result (*listing)(void *self, size_t index, struct mind_member *out);
-    /** Begins a change of a group or service.  MU_OK; MU_FULL: no room, nothing was begun. */
+    /** Begins a change of a group or service.  MU_OK; MU_FULL: no room, nothing was begun.
+     * lease_ns: of MIND_ADVERTISE, how long the offer stands; 0: until it is withdrawn. */
     mu_result (*change)(void *self, enum mind_change change, const char *name,
-                        const char *attributes);
+                        const char *attributes, uint64_t lease_ns);
     /** The index-th name of a list; of: the group, or the query.  NULL past the last. */
     const char *(*entry)(void *self, enum mind_list list, const char *of, size_t index);
     /** The index-th line that is set aside, as it begins.  NULL past the last; may be NULL. */

@@ -262,6 +262,33 @@ static mu_result load_layer(struct mind *m, const char *path, int line, const ch
                                     name);
 }
 
+/* (on-resolve SCHEME FUNCTION) outside of rules, below the deffunction. */
+static mu_result load_resolver(struct mind *m, const char *path, int line, const char *at,
+                               struct mu_fault *fault)
+{
+    char words[2][MU_FIELD_MAX + 1] = {"", ""};
+    bool well_formed = true;
+    for (size_t i = 0; i < 2 && well_formed; i++) {
+        struct syntax_field f = syntax_read_field(&at);
+        well_formed = f.kind == SYNTAX_FIELD_SYMBOL && f.len < sizeof words[0];
+        memcpy(words[i], f.at, well_formed ? f.len : 0);
+    }
+    if (!well_formed || syntax_read_field(&at).kind != SYNTAX_FIELD_BAD || *at != ')') {
+        return mu_fault_at(fault, path, line, 0,
+                           "expected (on-resolve SCHEME FUNCTION): a name, a deffunction");
+    }
+    mu_result r = layers_resolve(m, words[0], words[1]);
+    if (r == MU_MALFORMED) {
+        return mu_fault_at(fault, path, line, 0, "on-resolve: %s cannot be the name of a scheme",
+                           words[0]);
+    }
+    return r == MU_ABSENT
+               ? mu_fault_at(fault, path, line, 0,
+                             "on-resolve: no deffunction %s that takes two arguments: rest, sender",
+                             words[1])
+               : MU_OK;
+}
+
 static mu_result load_form(struct mind *m, const char *path, struct syntax_form f,
                            struct mu_fault *fault)
 {
@@ -277,6 +304,9 @@ static mu_result load_form(struct mind *m, const char *path, struct syntax_form 
     }
     if (load_begins(f, "on-layer", &at)) {
         return load_layer(m, path, f.line, at, fault);
+    }
+    if (load_begins(f, "on-resolve", &at)) {
+        return load_resolver(m, path, f.line, at, fault);
     }
     if (!load_is_extends(f, name, sizeof name, &well_formed)) {
         return load_construct(m, path, f, fault);

@@ -332,6 +332,12 @@ static void life_save(struct mind *m, struct mu_text *out)
         snapshot_add_word(out, ValueToString(output_of(m)->handlers[i].function));
         mu_text_add(out, "\n");
     }
+    if (output_of(m)->resolver) {
+        mu_text_add(out, "resolver");
+        snapshot_add_word(out, output_of(m)->scheme);
+        snapshot_add_word(out, ValueToString(output_of(m)->resolver));
+        mu_text_add(out, "\n");
+    }
 }
 
 static bool handler_load(struct snapshot *c)
@@ -339,6 +345,13 @@ static bool handler_load(struct snapshot *c)
     uint64_t layer;
     return snapshot_count(c, &layer) && layer <= UINT32_MAX && snapshot_word(c) &&
            layers_add(c->mind, (uint32_t)layer, c->word) == MU_OK && snapshot_end(c);
+}
+
+static bool resolver_load(struct snapshot *c)
+{
+    char scheme[MU_NAME_MAX + 1];
+    return snapshot_word(c) && mu_text_copy(scheme, sizeof scheme, c->word) && snapshot_word(c) &&
+           layers_set_resolver(c->mind, scheme, c->word) == MU_OK && snapshot_end(c);
 }
 
 static bool life_load(struct snapshot *c)
@@ -356,6 +369,9 @@ static bool life_load(struct snapshot *c)
     good = good && facts_load(c, inputs_of(m)->refused, EVENTS_REFUSED_MAX) && snapshot_end(c);
     while (good && snapshot_line(c, "handler")) {
         good = handler_load(c);
+    }
+    if (good && snapshot_line(c, "resolver")) {
+        good = resolver_load(c);
     }
     return good;
 }

@@ -24,7 +24,7 @@
 ; expect: shop cfp (apples 4)
 ; expect: mail red tell in-reply-to=p-2 layer=4 "price 10"
 ; line: (reply 2 late)
-; expect: [MUSTER1] Function reply expected a mail fact and fields
+; expect: [MUSTER1] Function reply expected a mail fact, or in a handler the number of its mail
 ; expect: FALSE
 ; expect: refused
 ;

@@ -12,7 +12,7 @@
 ; line: (findall (mail (from red)))
 ; expect: ()
 ; line: (reply 4 x)
-; expect: [MUSTER1] Function reply expected a mail fact and fields
+; expect: [MUSTER1] Function reply expected a mail fact, or in a handler the number of its mail
 ; expect: FALSE
 ; expect: refused
 ;
@@ -60,7 +60,7 @@
 ; expect: mail red inform language=plain in-reply-to=z reply-by=9.0 ttl=9.0 "as it is"
 ; expect: TRUE
 ; line: (speak inform red x colour blue)
-; expect: [MUSTER1] Function speak expected pairs of a value and one of these keys: language ontology reply-with in-reply-to reply-by conversation layer priority level
+; expect: [MUSTER1] Function speak expected pairs of a value and one of these keys: language ontology reply-with in-reply-to reply-by conversation ttl layer priority level
 ; expect: FALSE
 ; expect: refused
 ; line: (speak inform red x ontology)

@@ -9,13 +9,13 @@
  *   ; speech: ask-one q1 red what     the same with a performative and a reply-with
  *   ; text: red plain any words       the same in another language than clips
  *   ; layer: 4 cfp q1 red price       the same in a layer, with a performative and a reply-with
- *   ; event: on-run                   happens to the robot
- *   ; refused: group-create north group-exists   what the broker says to a change
- *   ; step: x=100 heading=90 sonar=5000 s3=400 stalled=1   one control step; mm, deg; values stay
- *                                   (also ox oy oheading: the odometer; bumpers gripper battery)
- *   ; steps: 50                       so many
- *   ; line: (follow red)              what a person types
- *   ; facts: goal                     what another agent asks for; no word: all facts
+ *   ; envelope: conversation=c1 language=sl ontology=o in-reply-to=q0 reply-by=9   parameters of
+ * the mail above it ; resolve: low red              the broker asks for whom SCHEME:low stands in a
+ * mail of red ; event: on-run                   happens to the robot ; refused: group-create north
+ * group-exists   what the broker says to a change ; step: x=100 heading=90 sonar=5000 s3=400
+ * stalled=1   one control step; mm, deg; values stay (also ox oy oheading: the odometer; bumpers
+ * gripper battery) ; steps: 50                       so many ; line: (follow red)              what
+ * a person types ; facts: goal                     what another agent asks for; no word: all facts
  *   ; laser: 500 1000               what the beams read from now on if rules look at it; mm
  *   ; list: laser 0.5 1             the same for any plain list of the table of sensors; as in C
  *   ; blob: ff0000 10 5 1500        one more in the camera: rgb, bearing, width deg, range mm; or
@@ -53,6 +53,8 @@ static const double deg = 180 / 3.14159265358979323846;
 
 struct waiting {
     char from[64], performative[64], reply_with[64], language[64];
+    char ontology[64], in_reply_to[64], conversation[64];
+    double reply_by_s;
     char content[LINE_MAX_BYTES];
     uint32_t layer;
 };
@@ -228,10 +230,11 @@ static const char *entry(void *self, enum mind_list list, const char *of, size_t
     return NULL;
 }
 
-static mu_result change(void *self, enum mind_change what, const char *name, const char *attributes)
+static mu_result change(void *self, enum mind_change what, const char *name, const char *attributes,
+                        uint64_t lease_ns)
 {
-    static const char *const words[] = {"group-create", "group-join", "group-leave", "advertise",
-                                        "withdraw"};
+    static const char *const words[] = {"group-create", "group-join", "group-leave",
+                                        "advertise",    "withdraw",   "resolve"};
     char bytes[LINE_MAX_BYTES];
     struct mu_text t;
     if (strcmp(name, "nobody") == 0) {
@@ -239,6 +242,9 @@ static mu_result change(void *self, enum mind_change what, const char *name, con
     }
     mu_text_init(&t, bytes, sizeof bytes);
     mu_text_format(&t, "change %s %s \"%s\"", words[what], name, attributes);
+    if (lease_ns) {
+        mu_text_format(&t, " lease=%.1f", (double)lease_ns * 1e-9);
+    }
     out_flush(self);
     out_line(self, t.at);
     return MU_OK;
@@ -355,9 +361,17 @@ static void step(struct bench *b)
     }
     for (size_t i = 0; i < b->mail_count; i++) {
         const struct waiting *w = &b->mails[i];
-        struct mind_mail mail = {
-            ++b->mail_id, w->from, w->performative, w->language, "", w->reply_with,
-            "",           "",      w->content,      w->layer};
+        struct mind_mail mail = {.id = ++b->mail_id,
+                                 .src = w->from,
+                                 .performative = w->performative,
+                                 .language = w->language,
+                                 .ontology = w->ontology,
+                                 .reply_with = w->reply_with,
+                                 .in_reply_to = w->in_reply_to,
+                                 .conversation = w->conversation,
+                                 .content = w->content,
+                                 .reply_by_ns = (uint64_t)(w->reply_by_s * 1e9),
+                                 .layer = w->layer};
         receive(b, &mail);
     }
     b->mail_count = 0;
@@ -463,6 +477,42 @@ static void do_layer(struct bench *b, const char *text)
     text = cut_word(rest + (*rest == ' '), w->performative, sizeof w->performative);
     text = cut_word(text, w->reply_with, sizeof w->reply_with);
     mu_text_copy(w->content, sizeof w->content, cut_word(text, w->from, sizeof w->from));
+}
+
+/* Sets parameters of the youngest mail. */
+static void do_envelope(struct bench *b, const char *text)
+{
+    struct waiting *w = &b->mails[b->mail_count - 1];
+    char word[128];
+    const struct {
+        const char *key;
+        char *to;
+    } words[] = {{"conversation=", w->conversation},
+                 {"language=", w->language},
+                 {"ontology=", w->ontology},
+                 {"in-reply-to=", w->in_reply_to}};
+    while (*text) {
+        text = cut_word(text, word, sizeof word);
+        for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+            size_t len = strlen(words[i].key);
+            if (strncmp(word, words[i].key, len) == 0) {
+                mu_text_copy(words[i].to, sizeof w->ontology, word + len);
+            }
+        }
+        if (strncmp(word, "reply-by=", 9) == 0) {
+            w->reply_by_s = strtod(word + 9, NULL);
+        }
+    }
+}
+
+static void do_resolve(struct bench *b, const char *text)
+{
+    char rest[64], names[LINE_MAX_BYTES];
+    const char *sender = cut_word(text, rest, sizeof rest);
+    struct mu_text out = mu_text_in(names, sizeof names);
+    bool known = mind_resolve(b->mind, rest, sender, &out);
+    out_flush(b);
+    out_line(b, known ? names : "no such address");
 }
 
 /* What cannot wait for a step does not. */
@@ -612,7 +662,7 @@ static const struct {
                   {"layer", do_layer},   {"event", do_event},       {"refused", do_refused},
                   {"facts", do_facts},   {"acts", do_acts},         {"laser", do_laser},
                   {"blob", do_blob},     {"fiducial", do_fiducial}, {"senses", do_senses},
-                  {"list", do_list}};
+                  {"list", do_list},     {"envelope", do_envelope}, {"resolve", do_resolve}};
 
 /* One line of the file; a comment that is a directive is done. */
 static void do_file_line(struct bench *b, const char *line)

@@ -176,7 +176,7 @@ static void step(uint64_t time_ns)
     for (size_t i = 0; i < ROBOTS; i++) {
         sense(&bodies[i], time_ns);
         for (size_t k = 0; k < count[i]; k++) {
-            struct mind_mail mail = {++id, from[i][k], "", "", "", "", "", "", arrived[i][k], 0};
+            struct mind_mail mail = {++id, from[i][k], "", "", "", "", "", "", arrived[i][k], 0, 0};
             CU_ASSERT_EQUAL(mind_take_mail(bodies[i].mind, &mail), MU_OK);
         }
         mind_fire(bodies[i].mind, &acts[i]);

@@ -343,10 +343,12 @@ static mu_result listing(void *self, size_t index, struct mind_member *out)
     return index == 0 ? lookup(self, "red", out) : MU_DONE;
 }
 
-static mu_result change(void *self, enum mind_change what, const char *name, const char *attributes)
+static mu_result change(void *self, enum mind_change what, const char *name, const char *attributes,
+                        uint64_t lease_ns)
 {
     (void)self;
     (void)what;
+    (void)lease_ns;
     return name && attributes ? MU_OK : MU_FULL;
 }
 

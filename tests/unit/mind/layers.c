@@ -22,9 +22,11 @@ static mu_result post(void *self, const struct mind_letter *letter)
     return MU_OK;
 }
 
-static mu_result change(void *self, enum mind_change what, const char *name, const char *attributes)
+static mu_result change(void *self, enum mind_change what, const char *name, const char *attributes,
+                        uint64_t lease_ns)
 {
     (void)self;
+    (void)lease_ns;
     snprintf(changed, sizeof changed, "%d %s %s", (int)what, name, attributes);
     return MU_OK;
 }
@@ -137,6 +139,27 @@ static void test_handled_content_stays(void)
     mind_close(m);
 }
 
+/* A mind without a resolver, one with more names than fit, and one that is gone. */
+static void test_resolver(void)
+{
+    char small[8];
+    struct mind *m = open_mind();
+    struct mu_text names = mu_text_in(small, sizeof small);
+    CU_ASSERT_STRING_EQUAL(mind_scheme(m), "");
+    CU_ASSERT(!mind_resolve(m, "low", "red", &names));
+    CU_ASSERT_EQUAL(say(m, "(deffunction all (?rest ?sender) (create$ red green blue))"), MU_OK);
+    CU_ASSERT_EQUAL(say(m, "(on-resolve busy all)"), MU_OK);
+    CU_ASSERT_STRING_EQUAL(mind_scheme(m), "busy");
+    snprintf(small, sizeof small, "%d busy", (int)MIND_RESOLVE);
+    CU_ASSERT_EQUAL(strncmp(changed, small, strlen(small)), 0);
+    names = mu_text_in(small, sizeof small);
+    CU_ASSERT(mind_resolve(m, "low", "red", &names));
+    CU_ASSERT(names.cut);
+    CU_ASSERT_EQUAL(say(m, "(undeffunction all)"), MU_OK);
+    CU_ASSERT(!mind_resolve(m, "low", "red", &names));
+    mind_close(m);
+}
+
 static void test_limit_refusals(void)
 {
     char what[64];
@@ -217,6 +240,7 @@ int main(void)
         {"without a handler", test_no_handler},
         {"limit: handlers", test_limit_handlers},
         {"what a handler was given stays", test_handled_content_stays},
+        {"a resolver of addresses", test_resolver},
         {"limit: refused changes", test_limit_refusals},
         {"facts are cut", test_facts_are_cut},
         {"limit: receivers and attributes", test_limit_words},

@@ -94,7 +94,7 @@ static void sense(struct mind *m)
 
 static mu_result take_mail(struct mind *m, uint64_t id, const char *content)
 {
-    struct mind_mail mail = {id, "red", "", "", "", "", "", "", content, 0};
+    struct mind_mail mail = {id, "red", "", "", "", "", "", "", content, 0, 0};
     return mind_take_mail(m, &mail);
 }
 

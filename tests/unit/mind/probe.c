@@ -199,7 +199,7 @@ static void step(struct soul *s, uint64_t n, uint32_t most)
     mind_percept(s->mind, &p);
     snprintf(content, sizeof content, "mate-pos red %d %d", (int)mu_random_between(&r, 0, 5000),
              (int)mu_random_between(&r, 0, 5000));
-    struct mind_mail mail = {n, "red", "", "", "", "", "", "", content, 0};
+    struct mind_mail mail = {n, "red", "", "", "", "", "", "", content, 0, 0};
     CU_ASSERT_EQUAL(mind_take_mail(s->mind, &mail), MU_OK);
     mind_fire_some(s->mind, most, &act);
     mu_text_init(&diary, diary_bytes, sizeof diary_bytes);

@@ -154,7 +154,7 @@ static void world_step(struct soul *s, uint64_t step)
         snprintf(content, sizeof content, "mate-pos %s %d %d", from[i],
                  (int)mu_random_between(&r, -5000, 5000), (int)mu_random_between(&r, -5000, 5000));
         struct mind_mail mail = {
-            3 * step + (uint64_t)i, from[i], "", "", "", "", "", "", content, 0};
+            3 * step + (uint64_t)i, from[i], "", "", "", "", "", "", content, 0, 0};
         if (mu_random_between(&r, 0, 3) > 0) {
             CU_ASSERT_EQUAL(mind_take_mail(s->mind, &mail), MU_OK);
         }
@@ -298,17 +298,24 @@ static void test_mail_and_events_come_along(void)
     soul_begin(&stays, "blue", NULL);
     soul_load(&stays, "(defrule wait (never) (mail (performative ask-one)) =>)\n"
                       "(deffunction take (?id ?from ?p ?c) (assert (took ?c)))\n"
-                      "(on-layer 4 take)\n(deffunction later () (getmsg))\n");
+                      "(on-layer 4 take)\n(deffunction later () (getmsg))\n"
+                      "(deffunction first (?rest ?sender) (create$ ?rest ?sender))\n"
+                      "(on-resolve busy first)\n");
     struct mu_percept p = {.time_ns = MU_STEP_NS, .battery_share = 0.5};
     mind_percept(stays.mind, &p);
-    struct mind_mail asked = {1, "red", "ask-one", "", "", "q1", "", "", "where \"are\" you", 0};
-    struct mind_mail prose = {2, "green", "", "english", "", "", "", "", "plain\ntext", 0};
+    struct mind_mail asked = {1, "red", "ask-one", "", "", "q1", "", "", "where \"are\" you", 0, 0};
+    struct mind_mail prose = {2, "green", "", "english", "", "", "", "", "plain\ntext", 0, 0};
     CU_ASSERT_EQUAL(mind_take_mail(stays.mind, &asked), MU_OK);
     CU_ASSERT_EQUAL(mind_take_mail(stays.mind, &prose), MU_OK);
     mind_refused(stays.mind, "group-create scouts", "group-exists");
     mind_event(stays.mind, MU_ON_RUN);
     move_as("blue");
     CU_ASSERT(mind_has_layer(goes.mind, 4));
+    char bytes[64];
+    struct mu_text names = mu_text_in(bytes, sizeof bytes);
+    CU_ASSERT_STRING_EQUAL(mind_scheme(goes.mind), "busy");
+    CU_ASSERT(mind_resolve(goes.mind, "low", "red", &names));
+    CU_ASSERT_STRING_EQUAL(bytes, "low,red");
     READS(say(&goes, "(battery)"), "0.5\n");
     mind_percept(stays.mind, &p);
     mind_percept(goes.mind, &p);
