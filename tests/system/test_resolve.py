@@ -188,3 +188,85 @@ def test_a_resolver_of_ones_own():
         for i in range(2):
             wait_for(lambda i=i: "mail operator all" in said(i), 10, f"agent{i} has its mail")
         check("mail operator home" in said(0) and "home" not in said(1), said(1))
+
+
+# A resolver in rules, and a customer that always asks for the one with the least to do.
+TEAM = """world: {root}/worlds/arena.world
+duration: 30
+robots:
+  - {{name: dispatcher, rules: {root}/rules/least_busy.clp, body: pioneer, pose: [-6.3, 5.3, 0]}}
+  - {{name: red, rules: {root}/rules/customer.clp}}
+  - {{name: blue, rules: {root}/rules/worker.clp}}
+  - {{name: green, rules: {root}/rules/worker.clp}}
+{more}"""
+
+
+def team_run(out, name, more, *words):
+    file = out / f"{name}.yaml"
+    file.write_text(TEAM.format(root=ROOT, more=more))
+    return experiment_run(out / name, "--domain", new_domain(), *words, file=file)
+
+
+def test_a_resolver_in_rules_is_killed_in_lock_step():
+    """With a checkpoint after each step it comes back with all that it has counted, and the run is the
+    same.  It dies while the mail waits whose address it is asked about, too."""
+    comes_back = "on-crash: restart\ncheckpoint: 0.1\n"
+    with folder() as out:
+        _, calm = team_run(out, "calm", "")
+        done, wild = team_run(out, "wild", comes_back + "chaos:\n  - {at: 5, kill: dispatcher}\n"
+                              "  - {at: 10, kill: dispatcher}\n  - {at: 10.1, kill: dispatcher}\n")
+        check_equal(done.returncode, 0, done.stderr)
+        check_equal([(r["process"], r["count"]) for r in wild["restarts"]], [("dispatcher", 3)], "who came back")
+        check_equal(wild["hash"], calm["hash"], "the hash")
+        done, lost = team_run(out, "lost", comes_back.replace("0.1", "0") + "chaos:\n  - {at: 5, kill: dispatcher}\n")
+        check_equal(done.returncode, 0, done.stderr)
+        check("nobody for" not in done.stdout + done.stderr, "it has called the roll, and resolves again")
+        check(lost["hash"] != calm["hash"], "what it had counted was lost")
+
+
+DESK = """
+(defglobal ?*given* = 0)
+(deffunction desk (?rest ?sender)
+  (switch ?rest
+    (case next then (bind ?*given* (+ ?*given* 1)) (nth$ ?*given* (create$ blue green blue green)))
+    (case both then (create$ blue green))
+    (case nobody then (create$))
+    (case wrong then (lookup ?*given*))
+    (default FALSE)))
+(on-resolve desk desk)
+"""
+
+
+def test_a_resolver_in_rules_in_free_running():
+    """Its answers, its mistakes, its death, its next life, and a second one in its place."""
+    domain = new_domain()
+    with folder() as out, Processes() as processes:
+        (out / "desk.clp").write_text(DESK)
+        broker_start(processes, domain)
+        for name in ("blue", "green"):
+            processes.start(MUSTER, "robot", name, "--rules", ROOT / "rules/follower.clp", "--domain", domain)
+            wait_for(lambda name=name: name in members(domain), 10, name)
+
+        def desk(name, *words):
+            started = processes.start(MUSTER, "robot", name, "--rules", out / "desk.clp", "--domain", domain,
+                                      "--checkpoint", "0.1", "--folder", out, *words)
+            wait_for(lambda: members(domain).get(name, {}).get("pid") == started.pid, 10, name)
+            wait_for(lambda: send(domain, "desk:both", "knock") == 0, 10, "its offer is there")
+            return started
+
+        first = desk("desk_a")
+        for address, code in (("next", 0), ("next", 0), ("next", 0), ("nobody", 7), ("wrong", 7), ("elsewhere", 7)):
+            check_equal(send(domain, f"desk:{address}", "hello"), code, address)
+        check_equal(muster("do", "desk_a", "?*given*", "--domain", domain).stdout.split()[-1], "3", "it counts")
+        wait_for(lambda: (out / "desk_a.capsule").exists(), 10, "a checkpoint")
+        muster("do", "desk_a", "(assert (later))", "--domain", domain)
+        wait_for(lambda: "later" in (out / "desk_a.capsule").read_text(), 10, "the checkpoint has it")
+        first.kill()
+        wait_for(lambda: send(domain, "desk:both", "hello") == 7, 10, "nobody resolves it")
+        second = desk("desk_a", "--restore")
+        check_equal(muster("do", "desk_a", "?*given*", "--domain", domain).stdout.split()[-1], "3",
+                    "what it had counted")
+        desk("desk_b")
+        second.kill()
+        wait_for(lambda: send(domain, "desk:next", "hello") == 0, 10, "the second one answers")
+        check_equal(muster("do", "desk_b", "?*given*", "--domain", domain).stdout.split()[-1], "1", "it is asked now")
