@@ -66,7 +66,7 @@ static mu_result port_change(void *self, enum mind_change change, const char *na
 {
     mu_agent *a = ((struct robot *)self)->agent;
     switch (change) {
-    case MIND_RESOLVE: return resolver_resolve(self);
+    case MIND_RESOLVE: return join_resolve(self);
     case MIND_GROUP_CREATE: return mu_agent_group_create(a, name);
     case MIND_GROUP_JOIN: return mu_agent_group_join(a, name);
     case MIND_GROUP_LEAVE: return mu_agent_group_leave(a, name);

@@ -131,6 +131,14 @@ MU_MUST_USE mu_result agent_join(struct robot *r);
 MU_MUST_USE mu_result agent_arrive(struct robot *r, const struct mu_passage *from,
                                    enum mu_event event);
 
+/**
+ * Makes a robot the resolver of the scheme that its rules resolve, if they do; before it has joined
+ * its process, nothing.
+ *
+ * @return as mu_agent_resolve
+ */
+MU_MUST_USE mu_result join_resolve(struct robot *r);
+
 /* group_process.c */
 
 /** @return whether the robot has set out for another process */
@@ -200,16 +208,6 @@ void percept_ask(mu_agent *a, const struct mind *mind);
  * then, with its data in the processor's caches.
  */
 void percept_settle(struct robot *r);
-
-/* resolver.c */
-
-/**
- * Makes a robot the resolver of the scheme that its rules resolve, if they do; before it has joined
- * its process, nothing.
- *
- * @return as mu_agent_resolve
- */
-MU_MUST_USE mu_result resolver_resolve(struct robot *r);
 
 /* ports.c */
 
