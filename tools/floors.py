@@ -100,7 +100,7 @@ POINTERS = {
     "struct mind_ports": (11, "ports of the mind: it has no process, and acts through them"),
     "struct mind_options": (1, "how the mind reads rule files: it has none itself"),
     "struct fan_kernel": (3, "kernels for the vector units of processors"),
-    "struct condition_names": (1, "conditions read names of any world"),
+    "struct condition_names": (2, "conditions read names of any world"),
     "struct condition_view": (3, "conditions read positions of any world"),
     "builder_children()": (1, "a visitor of entities of a world's file"),
     "struct bus": (1, "a reader's thread calls the process that waits"),

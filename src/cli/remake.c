@@ -171,7 +171,9 @@ static void events_look(struct condition_watch *watches, const struct experiment
     for (unsigned i = 0; i < e->events_count; i++) {
         for (uint32_t k = 0; k < f->acts._length; k++) {
             const muster_Act *act = &f->acts._buffer[k];
-            act_note(&watches[i], body_find(v, act->agent), act);
+            int agent = experiment_agent_find(e, act->agent);
+            int body = agent >= 0 ? CONDITION_AGENTS + agent : body_find(v, act->agent);
+            act_note(&watches[i], body, act);
         }
         if (condition_watch_look(&watches[i], &view)) {
             mu_csv_event(file, (uint64_t)f->time_ns, e->events[i]);
@@ -184,8 +186,11 @@ static mu_result events_read(struct condition_watch *watches, const struct run *
 {
     const struct experiment *e = r->experiment;
     char why[CONDITION_WHY_MAX];
-    const struct condition_names names = {
-        .find = body_find, .self = v, .robots = (int)v->recording->scene->robots._length};
+    const struct condition_names names = {.find = body_find,
+                                          .self = v,
+                                          .robots = (int)v->recording->scene->robots._length,
+                                          .find_agent = experiment_agent_find,
+                                          .agents = e};
     for (unsigned i = 0; i < e->events_count; i++) {
         if (condition_read(&watches[i].condition, e->events[i], &names, why) != MU_OK) {
             return mu_fault_at(fault, e->file, e->event_marks[i].line, e->event_marks[i].column,

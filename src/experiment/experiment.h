@@ -265,6 +265,9 @@ unsigned experiment_event_find(const struct experiment *e, const char *text);
  * are known before the world is, and what is no robot may be a thing.  As condition_names. */
 int experiment_body_find(const void *experiment, const char *name);
 
+/** @return the index of an agent without a body, or -1.  As condition_names. */
+int experiment_agent_find(const void *experiment, const char *name);
+
 /** @return how many robots and agents without a body there are */
 static inline unsigned experiment_members(const struct experiment *e)
 {

@@ -40,6 +40,13 @@ int experiment_robot_find(const struct experiment *e, const char *name)
     return robot ? (int)(robot - e->robots) : -1;
 }
 
+int experiment_agent_find(const void *experiment, const char *name)
+{
+    const struct experiment *e = experiment;
+    int index = experiment_robot_find(e, name);
+    return index >= (int)e->robots_count ? index - (int)e->robots_count : -1;
+}
+
 /* Things are known when the world is, which the run checks. */
 int experiment_body_find(const void *experiment, const char *name)
 {

@@ -117,7 +117,9 @@ mu_result experiment_check_condition(struct experiment_source *s, const char *te
     struct condition c;
     const struct condition_names names = {.find = experiment_body_find,
                                           .self = s->experiment,
-                                          .robots = (int)s->experiment->robots_count};
+                                          .robots = (int)s->experiment->robots_count,
+                                          .find_agent = experiment_agent_find,
+                                          .agents = s->experiment};
     if (strlen(text) >= CONDITION_TEXT_MAX) {
         return experiment_fault(s, NULL, node, "expected a condition of at most %d bytes",
                                 CONDITION_TEXT_MAX - 1);

@@ -89,8 +89,11 @@ static mu_result condition_check(const struct run *r, const char *text, struct e
 {
     char why[CONDITION_WHY_MAX];
     struct condition condition;
-    const struct condition_names names = {
-        .find = body_find, .self = r->world, .robots = (int)r->world->robot_count};
+    const struct condition_names names = {.find = body_find,
+                                          .self = r->world,
+                                          .robots = (int)r->world->robot_count,
+                                          .find_agent = experiment_agent_find,
+                                          .agents = r->experiment};
     return condition_read(&condition, text, &names, why) == MU_OK
                ? MU_OK
                : mu_fault_at(fault, r->experiment->file, mark.line, mark.column, "%s", why);

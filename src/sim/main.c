@@ -225,7 +225,7 @@ static int records_open(struct simulator *sim)
                                         .free = set.free,
                                         .seed = (uint64_t)set.seed,
                                         .duration_s = set.duration_s};
-    const struct condition_names names = record_names(sim->world);
+    const struct condition_names names = record_names(sim->world, &set.agents);
     mu_result events =
         set.events ? events_open(&sim->events, set.events, &set.conditions, &names) : MU_OK;
     if (events == MU_FAULT_USAGE) {

@@ -6,7 +6,7 @@ from support import ROOT, check, check_equal, experiment_run, folder, muster
 
 EXPERIMENTS = ROOT / "experiments"
 PAGES = ROOT / "docs/experiments"
-TAUGHT = ("follow", "collect", "explore", "formation", "contract-net", "broker-death")
+TAUGHT = ("follow", "collect", "explore", "formation", "contract-net", "auction", "office", "broker-death")
 
 
 def series(name, seeds, *words):

@@ -41,18 +41,32 @@ static int body_find(const void *self, const char *name)
     return record_find_body(self, name);
 }
 
-struct condition_names record_names(const struct world *world)
+static int agent_find(const void *agents, const char *name)
 {
-    return (struct condition_names){
-        .find = body_find, .self = world, .robots = (int)world->robot_count};
+    const struct mu_option_list *list = agents;
+    for (size_t i = 0; i < list->count; i++) {
+        if (strcmp(list->items[i], name) == 0) {
+            return (int)i;
+        }
+    }
+    return -1;
 }
 
-void record_note_act(struct condition_watch *w, int robot, const muster_Act *act)
+struct condition_names record_names(const struct world *world, const struct mu_option_list *agents)
 {
-    condition_note_rules(w, robot, act->rules);
+    return (struct condition_names){.find = body_find,
+                                    .self = world,
+                                    .robots = (int)world->robot_count,
+                                    .find_agent = agent_find,
+                                    .agents = agents};
+}
+
+void record_note_act(struct condition_watch *w, int agent, const muster_Act *act)
+{
+    condition_note_rules(w, agent, act->rules);
     for (uint32_t i = 0; i < act->mails._length; i++) {
         const muster_Mail *mail = &act->mails._buffer[i];
-        condition_note_mail(w, robot, mail->content, mail->dst);
+        condition_note_mail(w, agent, mail->content, mail->dst);
     }
 }
 

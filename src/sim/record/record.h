@@ -142,11 +142,12 @@ struct events; /* one in a process */
  */
 int record_find_body(const struct world *world, const char *name);
 
-/** @return the names that conditions may use.  The world must outlive them. */
-struct condition_names record_names(const struct world *world);
+/** @return the names that conditions may use.  The world and the names of agents must outlive them.
+ */
+struct condition_names record_names(const struct world *world, const struct mu_option_list *agents);
 
-/** Notes for a condition what an agent with a body did in this step. */
-void record_note_act(struct condition_watch *w, int robot, const muster_Act *act);
+/** Notes for a condition what a robot did in this step, or CONDITION_AGENTS and more: an agent. */
+void record_note_act(struct condition_watch *w, int agent, const muster_Act *act);
 
 /**
  * Creates the file; takes memory at start-up.

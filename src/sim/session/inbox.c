@@ -16,11 +16,18 @@ static int32_t order_of(int32_t order)
 }
 
 /* Notes an act for the conditions of orders and events. */
-static void act_note(struct session *s, int robot, const muster_Act *act)
+static void act_note(struct session *s, const struct session_agent *agent, const muster_Act *act)
 {
-    order_queue_note_act(s->orders, robot, act);
+    int number = agent->body;
+    if (agent->totals < 0) {
+        return; /* no condition knows an agent that came while the run went on */
+    }
+    if (agent->body < 0) {
+        number = CONDITION_AGENTS + (agent->totals - (int)s->robot_count);
+    }
+    order_queue_note_act(s->orders, number, act);
     if (s->options.events) {
-        events_note_act(s->options.events, robot, act);
+        events_note_act(s->options.events, number, act);
     }
 }
 
@@ -40,7 +47,6 @@ static void robot_act(struct session *s, struct session_robot *r, const muster_A
     r->lift = order_of(act->lift);
     r->senses = act->senses;
     mu_text_copy(r->goal, sizeof r->goal, act->goal);
-    act_note(s, (int)(r - s->robots), act);
 }
 
 static void act_take(struct session *s, const muster_Act *act, int32_t process)
@@ -58,6 +64,7 @@ static void act_take(struct session *s, const muster_Act *act, int32_t process)
     if (agent->body >= 0) {
         robot_act(s, &s->robots[agent->body], act);
     }
+    act_note(s, agent, act);
     observe_act(s, (size_t)(agent - s->agents.at), act);
 }
 
@@ -66,8 +73,11 @@ static void up_show(struct session *s, const muster_Up *up, int32_t process)
 {
     for (uint32_t i = 0; i < up->acts._length; i++) {
         const struct session_agent *agent = agents_find(&s->agents, up->acts._buffer[i].agent);
-        if (agent && agent->body >= 0 && agent->process == process && process >= 0) {
-            act_note(s, agent->body, &up->acts._buffer[i]);
+        if (!agent || agent->process != process || process < 0) {
+            continue;
+        }
+        act_note(s, agent, &up->acts._buffer[i]);
+        if (agent->body >= 0) {
             observe_act(s, (size_t)agent->body, &up->acts._buffer[i]);
         }
     }

@@ -72,7 +72,7 @@ mu_result session_open(struct session **out, const struct session_options *optio
     agents_open(&s->agents, s->world);
     robots_choose(&s->agents, options->robots);
     totals_open(s, options->agents);
-    const struct condition_names names = record_names(s->world);
+    const struct condition_names names = record_names(s->world, options->agents);
     s->orders = order_queue_open(&names);
     s->snapshot = mu_startup_alloc(engine_save_size(s->engine));
     mu_table_init(&s->process_names, MU_PROCESSES_MAX);

@@ -84,6 +84,14 @@ static mu_result body_read(struct reading *r, const char *name, bool robot, int 
     return MU_OK;
 }
 
+/* An agent with or without a body. */
+static mu_result mind_read(struct reading *r, const char *name, int *out)
+{
+    int agent = r->names->find_agent ? r->names->find_agent(r->names->agents, name) : -1;
+    *out = agent >= 0 ? CONDITION_AGENTS + agent : 0;
+    return agent >= 0 ? MU_OK : body_read(r, name, true, out);
+}
+
 /* --- NAME.NUMBER > VALUE ---------------------------------------------------------------------- */
 
 static mu_result compare_read(struct reading *r)
@@ -182,15 +190,20 @@ static mu_result fired_read(struct reading *r, size_t at)
     return MU_OK;
 }
 
+/* What a condition may be of. */
+enum subject { OF_THINGS, OF_ROBOTS, OF_MINDS };
+
 static const struct {
     const char *word;
     enum condition_kind kind;
-    bool of_things;
+    enum subject of;
     mu_result (*read)(struct reading *r, size_t at);
 } condition_verbs[] = {
-    {"near", CONDITION_NEAR, true, near_read},           {"at", CONDITION_AT, true, at_read},
-    {"stalled", CONDITION_STALLED, false, stalled_read}, {"told", CONDITION_TOLD, false, told_read},
-    {"fired", CONDITION_FIRED, false, fired_read},
+    {"near", CONDITION_NEAR, OF_THINGS, near_read},
+    {"at", CONDITION_AT, OF_THINGS, at_read},
+    {"stalled", CONDITION_STALLED, OF_ROBOTS, stalled_read},
+    {"told", CONDITION_TOLD, OF_MINDS, told_read},
+    {"fired", CONDITION_FIRED, OF_MINDS, fired_read},
 };
 
 static mu_result verb_read(struct reading *r)
@@ -200,7 +213,10 @@ static mu_result verb_read(struct reading *r)
     for (size_t i = 0; i < sizeof condition_verbs / sizeof condition_verbs[0]; i++) {
         if (at < r->count && strcmp(r->words[at], condition_verbs[i].word) == 0) {
             r->c->kind = condition_verbs[i].kind;
-            mu_result found = body_read(r, r->words[0], !condition_verbs[i].of_things, &r->c->body);
+            mu_result found =
+                condition_verbs[i].of == OF_MINDS
+                    ? mind_read(r, r->words[0], &r->c->body)
+                    : body_read(r, r->words[0], condition_verbs[i].of == OF_ROBOTS, &r->c->body);
             return found == MU_OK ? condition_verbs[i].read(r, at + 1) : found;
         }
     }

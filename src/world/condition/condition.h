@@ -14,6 +14,8 @@
  *     red told near-wall to blue   `to`, whose receiver is written so
  *     red fired turn-away          a rule of it has fired in this step
  *
+ * An agent without a body has told and fired alone.
+ *
  * `not` stands before near, at, stalled, told, fired.
  */
 #ifndef MUSTER_WORLD_CONDITION_H
@@ -55,7 +57,10 @@ enum condition_compare {
     CONDITION_NOT_ABOVE
 };
 
-enum { CONDITION_ALL_ROBOTS = -1 };
+enum {
+    CONDITION_ALL_ROBOTS = -1,
+    CONDITION_AGENTS = 1 << 20 /* the first number of an agent without a body */
+};
 
 struct condition {
     enum condition_kind kind;
@@ -74,6 +79,9 @@ struct condition_names {
     int (*find)(const void *self, const char *name);
     const void *self;
     int robots; /* so many of the numbers are robots' */
+    /* @return the index of an agent without a body, or -1; NULL: there are none */
+    int (*find_agent)(const void *agents, const char *name);
+    const void *agents;
 };
 
 /**

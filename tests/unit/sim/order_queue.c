@@ -327,7 +327,8 @@ static void test_names_of_a_world(void)
     physics_robot(0, 0, 0);
     physics_robot(1, 0, 0);
     struct world_object *box = physics_object(2, 0, 0.1);
-    const struct condition_names found = record_names(&physics_world);
+    const struct condition_names found =
+        record_names(&physics_world, &(struct mu_option_list){.count = 0});
     CU_ASSERT_EQUAL(found.robots, 2);
     CU_ASSERT_EQUAL(found.find(found.self, "robot1"), 1);
     CU_ASSERT_EQUAL(record_find_body(&physics_world, box->name), 2);
