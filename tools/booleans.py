@@ -8,7 +8,6 @@ FOLDERS = ("broker", "runtime", "bus", "agent", "sim/session")
 MOST = 3
 # struct: how many it has, and why they are no state.
 REASONS = {
-    "agent": (9, "a name at the broker: of its bearer, of a run, and of the store; the comment beside it has which"),
     "robot_options": (5, "flags of a command line, each asked for by itself"),
     "tap": (4, "quality of service of one endpoint: DDS allows all combinations, and each is asked for by itself"),
 }

@@ -108,7 +108,8 @@ struct box_limits {
 struct box {
     bool begun;
     struct post_queue lists[POST_FLIGHT + 1]; /* POST_HELD: its count alone */
-    uint64_t acked;                           /* the number before the first one in flight */
+    uint64_t base;                            /* the number before the first one of all, */
+    uint64_t acked;                           /* and before the first one in flight */
     uint32_t out;     /* the first in flight that is to go out (again); or MU_NONE */
     uint32_t written; /* how many in flight stand before it */
     uint64_t progress_ns;
@@ -137,7 +138,7 @@ static inline struct box *mailbox_box(struct mailbox *m, uint32_t agent)
 {
     struct box *box = &m->boxes[agent];
     if (!box->begun) {
-        *box = (struct box){.begun = true, .acked = m->base, .out = MU_NONE};
+        *box = (struct box){.begun = true, .base = m->base, .acked = m->base, .out = MU_NONE};
     }
     return box;
 }

@@ -41,9 +41,8 @@ static bool mail_is_out(const struct broker *b, const struct mail *m)
 /* It needs no disk, until the next durable mail of its sender. */
 static void ram_leave(struct broker *b, struct mail *m)
 {
-    struct agent *a = &b->registry.agents[m->sender];
-    a->ram_behind = true;
-    a->durable_order = 0;
+    journal_note_ram(b, m);
+    b->registry.agents[m->sender].durable_order = 0;
     m->row = 0;
 }
 

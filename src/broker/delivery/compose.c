@@ -104,7 +104,7 @@ static void welcome_add(struct broker *b, struct dispatch_part *part, muster_Del
 {
     static char none[1];
     struct agent *a = &b->registry.agents[part->agent];
-    part->verdict = a->verdict_due;
+    part->verdict = a->bearer == BEARER_OWED;
     if (part->verdict) {
         d->verdicts._buffer[d->verdicts._length++] =
             (muster_Verdict){.agent = a->name,

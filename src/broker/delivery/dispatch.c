@@ -38,7 +38,7 @@ static bool place_is_urgent(struct broker *b, uint32_t place)
         return true;
     }
     for (uint32_t agent; (agent = processes_stirred_agent(&b->processes, place)) != MU_NONE;) {
-        if (b->registry.agents[agent].verdict_due || box_is_urgent(b, agent)) {
+        if (b->registry.agents[agent].bearer == BEARER_OWED || box_is_urgent(b, agent)) {
             return true; /* it stays stirred until it is served */
         }
         processes_calm_agent(&b->registry, &b->processes, agent);
@@ -164,7 +164,7 @@ static void part_delivered(struct broker *b, const struct dispatch_part *part)
         receipts_drop(&b->receipts, part->agent, part->receipts);
     }
     if (part->verdict) {
-        b->registry.agents[part->agent].verdict_due = false;
+        names_bearer_on(&b->registry, part->agent, BEARER_TELLS);
     }
     if (!mailbox_is_begun(&b->mailbox, part->agent)) {
         return;

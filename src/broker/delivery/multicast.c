@@ -51,9 +51,10 @@ static bool post_is_ready(struct broker *b, uint32_t post)
 {
     uint32_t agent = b->mailbox.posts[post].agent;
     const struct agent *a = &b->registry.agents[agent];
-    return a->process != MU_NONE && place_is_ready(b, &b->processes.at[a->process]) && a->seated &&
-           !a->verdict_due && names_gate(&b->registry, &b->processes, agent) == GATE_OPEN &&
-           !scope_waits(a->scope) && mailbox_box(&b->mailbox, agent)->out == MU_NONE &&
+    return a->process != MU_NONE && place_is_ready(b, &b->processes.at[a->process]) &&
+           a->bearer == BEARER_TOLD && names_is_confirmed(&b->registry, &b->mailbox, agent) &&
+           names_gate(&b->registry, &b->processes, agent) == GATE_OPEN && !scope_waits(a->scope) &&
+           mailbox_box(&b->mailbox, agent)->out == MU_NONE &&
            mailbox_next_is(&b->mailbox, agent, b->mailbox.posts[post].mail);
 }
 

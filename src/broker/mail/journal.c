@@ -126,18 +126,25 @@ static void ram_take_along(struct broker *b, const struct mail *durable)
     }
 }
 
+void journal_note_ram(struct broker *b, const struct mail *m)
+{
+    struct agent *a = &b->registry.agents[m->sender];
+    if (m->letter.hops == 0 && m->order > a->ram_order) {
+        a->ram_order = m->order;
+    }
+}
+
 void journal_put(struct broker *b, struct mail *m)
 {
     struct agent *a = &b->registry.agents[m->sender];
     bool is_ram = m->letter.level == muster_LEVEL_RAM;
     if (is_ram) {
-        a->ram_behind = a->ram_behind || m->letter.hops == 0;
+        journal_note_ram(b, m);
         return;
     }
     /* What came by another broker says nothing of what the sender has sent here. */
-    if (m->letter.hops == 0 && a->ram_behind) {
+    if (m->letter.hops == 0 && a->ram_order > a->durable_order) {
         ram_take_along(b, m);
-        a->ram_behind = false;
     }
     row_give(b, m);
     a->durable_order = m->letter.hops == 0 ? m->order : a->durable_order;

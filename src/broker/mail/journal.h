@@ -122,6 +122,9 @@ bool journal_takes(const struct broker *b);
  * before, and still waits; other mail is passed over. */
 void journal_put(struct broker *b, struct mail *m);
 
+/** The next durable mail of its sender takes this one, which is in RAM, along to the store. */
+void journal_note_ram(struct broker *b, const struct mail *m);
+
 /** An agent has acknowledged a mail that is on disk. */
 void journal_acknowledged(struct broker *b, uint32_t agent);
 

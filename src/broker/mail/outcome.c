@@ -15,7 +15,7 @@ void outcome_tell(struct broker *b, uint32_t sender, uint64_t first_seq, uint64_
                   muster_Outcome result)
 {
     const struct agent *a = &b->registry.agents[sender];
-    if (a->process == MU_NONE && !a->awaited) { /* the absent are told nothing, nor is the broker */
+    if (a->bearer == BEARER_NONE) { /* the absent are told nothing, nor is the broker */
         return;
     }
     receipts_add(&b->receipts, sender, first_seq, last_seq, result);
@@ -142,7 +142,6 @@ void outcome_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
         return;
     }
     bool beyond = names_is_beyond(&b->registry, &b->processes, agent);
-    names_confirm(&b->registry, agent, number);
     while (box->acked < number) {
         struct mail *m = mailbox_pop(&b->mailbox, agent);
         if (mail_is_written(m)) {
@@ -230,7 +229,7 @@ static void await_until(struct journal *j, uint64_t until_ns)
 
 void outcome_await(struct broker *b, uint32_t agent)
 {
-    b->registry.agents[agent].awaited = true;
+    names_bearer_on(&b->registry, agent, BEARER_AWAITS);
     if (b->clock.now_ns <= UINT64_MAX - AWAIT_NS) {
         await_until(&b->journal, b->clock.now_ns + AWAIT_NS);
     }
@@ -244,12 +243,12 @@ void outcome_await_tick(struct broker *b)
     b->journal.awaits = false;
     uint64_t wall_ns = clock_wall_ns(&b->clock);
     for (uint32_t i = 0; i < b->registry.count; i++) {
-        struct agent *a = &b->registry.agents[i];
+        const struct agent *a = &b->registry.agents[i];
         uint64_t absent_ns = wall_ns - a->since_wall_ns;
-        if (a->awaited && absent_ns < AWAIT_NS) {
+        if (a->bearer == BEARER_AWAITED && absent_ns < AWAIT_NS) {
             await_until(&b->journal, b->clock.now_ns + (AWAIT_NS - absent_ns));
-        } else if (a->awaited) {
-            a->awaited = false;
+        } else if (a->bearer == BEARER_AWAITED) {
+            names_bearer_on(&b->registry, i, BEARER_FORGETS);
             receipts_drop(&b->receipts, i, receipts_count(&b->receipts, i));
         }
     }

@@ -103,7 +103,8 @@ static struct probe *glance_take(struct probes *g, uint32_t from)
 static uint32_t place_of(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
-    bool there = a->process != MU_NONE && !a->gone && a->is.state != muster_STATE_MOVING;
+    bool there =
+        a->process != MU_NONE && a->report != REPORT_GONE && a->is.state != muster_STATE_MOVING;
     return there && b->processes.at[a->process].kind != PROCESS_BROKER ? a->process : MU_NONE;
 }
 

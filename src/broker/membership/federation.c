@@ -95,9 +95,8 @@ static bool entry_is_ours(const struct broker *b, const muster_Entry *e)
 /* Its sender has left before the outcome of its mail came. */
 static void receipts_forget(struct broker *b, uint32_t agent)
 {
-    struct agent *a = &b->registry.agents[agent];
-    if (a->process == MU_NONE && a->awaited && !b->journal.awaits) {
-        a->awaited = false;
+    if (b->registry.agents[agent].bearer == BEARER_AWAITED && !b->journal.awaits) {
+        names_bearer_on(&b->registry, agent, BEARER_FORGETS);
         receipts_drop(&b->receipts, agent, receipts_count(&b->receipts, agent));
     }
 }

@@ -214,7 +214,8 @@ void lifecycle_depart(struct broker *b, uint32_t agent)
     mailbox_unwatch(&b->mailbox, agent);
     mailbox_repeat(&b->mailbox, agent);
     if (b->processes.at[place].kind == PROCESS_BROKER) {
-        a->awaited = true; /* it is only out of sight: what it is to be told waits */
+        /* It is only out of sight: what it is to be told waits. */
+        names_bearer_on(&b->registry, agent, BEARER_AWAITS);
     } else if (a->let_go || (processes_is_silent(&b->processes.at[place]) && a->claim == MU_NONE)) {
         outcome_await(b, agent);
     } else {
@@ -258,7 +259,6 @@ static void step_version_keep(struct broker *b, uint32_t agent)
 void lifecycle_reregister(struct broker *b, uint32_t agent, uint32_t slot, struct presence *is)
 {
     struct agent *a = &b->registry.agents[agent];
-    a->gone = false;
     if (scope_is_inside(a->scope)) { /* the steps alone change it */
         is->state = a->is.state;
     }
@@ -287,7 +287,7 @@ void lifecycle_settle(struct broker *b, uint32_t place)
     for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
          agent = next) {
         next = processes_next_agent(&b->registry, &b->processes, agent);
-        if (b->registry.agents[agent].gone) {
+        if (b->registry.agents[agent].report == REPORT_GONE) {
             lifecycle_depart(b, agent);
         } else {
             lifecycle_review(b, agent);

@@ -48,7 +48,7 @@ static void claims_end(struct broker *b, uint32_t place, uint32_t part,
 static void presence_leave(struct broker *b, uint32_t agent)
 {
     if (scope_is_paced(registry_scope(&b->registry, agent))) {
-        b->registry.agents[agent].gone = true;
+        registry_report_on(&b->registry, agent, REPORT_OF_LEAVING);
     } else {
         lifecycle_depart(b, agent);
     }
@@ -110,8 +110,8 @@ static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uin
         b->processes.at[place].overruled = true;
         return;
     }
-    bool is_other =
-        a->resident.slot != slot || (!a->handed && a->is.since_wall_ns != is->since_wall_ns);
+    bool is_other = a->resident.slot != slot ||
+                    (a->report != REPORT_AWAITED && a->is.since_wall_ns != is->since_wall_ns);
     if (a->process == place && is_other && !scope_is_inside(b->processes.at[place].scope)) {
         b->registry.agents[agent].kept_until_ns = 0; /* the agent that it was kept for had come */
         lifecycle_depart(b, agent); /* the name went to another agent of the same process */

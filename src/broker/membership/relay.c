@@ -18,7 +18,8 @@ static uint32_t sender_of(struct broker *b, const char *src)
     if (sender != MU_NONE && !registry_is_own(sender) &&
         b->registry.agents[sender].process == MU_NONE) {
         struct agent *a = &b->registry.agents[sender];
-        a->awaited = true; /* its neighbour will say that it is there */
+        /* Its neighbour will say that it is there. */
+        names_bearer_on(&b->registry, sender, BEARER_AWAITS);
         a->since_wall_ns = a->since_wall_ns ? a->since_wall_ns : clock_wall_ns(&b->clock);
     }
     return sender;

@@ -259,7 +259,7 @@ static void name_clear(struct broker *b, uint32_t agent)
     }
     subscriptions_clear(b, a->name);
     receipts_drop(&b->receipts, agent, receipts_count(&b->receipts, agent));
-    a->awaited = false;
+    names_bearer_on(&b->registry, agent, BEARER_FORGETS);
     registry_named_on(&b->registry, agent, NAMED_CLEARED);
     (void)journal_end(b, agent);
     registry_touch(&b->registry, agent);

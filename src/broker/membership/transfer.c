@@ -27,7 +27,8 @@ static const char *objection(const struct broker *b, uint32_t host, bool in_step
     if (!a || a->is.kind != muster_KIND_HOST) {
         return "unknown-host";
     }
-    if (a->process == MU_NONE || (a->gone && !in_step)) { /* inside it may be slow only */
+    if (a->process == MU_NONE ||
+        (a->report == REPORT_GONE && !in_step)) { /* inside it may be slow only */
         return "host-absent";
     }
     return scope_refuses_move(scope_of_word(in_step), b->processes.at[a->process].scope);
@@ -144,7 +145,7 @@ static void seat_moved(struct broker *b, struct snapshot *c, uint32_t slot)
     is.state = free ? c->state : is.state;
     (void)mu_text_copy(is.host, sizeof is.host, host->name);
     (free ? lifecycle_seat : lifecycle_move)(b, c->agent, c->target, slot, &is);
-    b->registry.agents[c->agent].handed = true;
+    registry_report_on(&b->registry, c->agent, REPORT_IS_AWAITED);
     seat_tell(b, c);
 }
 
@@ -172,7 +173,7 @@ static void seat_new(struct broker *b, struct snapshot *c, uint32_t slot)
                           .pid = host->is.pid};
     (void)mu_text_copy(is.host, sizeof is.host, host->name);
     lifecycle_seat(b, agent, c->target, slot, &is);
-    b->registry.agents[agent].handed = true;
+    registry_report_on(&b->registry, agent, REPORT_IS_AWAITED);
     seat_tell(b, c);
     snapshots_drop(b, c);
 }

@@ -3,6 +3,27 @@
 
 #include "broker/control/parts.h"
 
+/* clang-format off */
+/* The letters of the table; X is illegal. */
+enum { X = 255, N = BEARER_NONE, A = BEARER_AWAITED, O = BEARER_OWED, T = BEARER_TOLD };
+
+static const unsigned char next_bearer[BEARERS][BEARER_EVENTS] = {
+    /*                 seats owes owes nothing tells unseats awaits forgets */
+    [BEARER_NONE]    = {O,   X,   X,           X,    X,      A,     N},
+    [BEARER_AWAITED] = {O,   X,   X,           X,    X,      A,     N},
+    [BEARER_OWED]    = {O,   O,   T,           T,    N,      X,     X},
+    [BEARER_TOLD]    = {O,   O,   T,           X,    N,      X,     X},
+};
+/* clang-format on */
+
+void names_bearer_on(struct registry *r, uint32_t agent, enum bearer_event event)
+{
+    struct agent *a = &r->agents[agent];
+    unsigned next = next_bearer[a->bearer][event];
+    MU_ASSERT(next != X);
+    a->bearer = (enum bearer)next;
+}
+
 void names_changed(struct broker *b)
 {
     if (b->processes.all_awake) {
@@ -39,8 +60,8 @@ void names_hold(struct broker *b, uint32_t agent)
 void names_owe_verdict(struct broker *b, uint32_t agent)
 {
     struct agent *a = &b->registry.agents[agent];
-    a->seated = false;
-    a->seated_above = mailbox_last_number(&b->mailbox, agent);
-    a->verdict_due =
+    bool owes =
         b->processes.at[a->process].kind != PROCESS_BROKER || mailbox_is_begun(&b->mailbox, agent);
+    a->seated_above = mailbox_last_number(&b->mailbox, agent);
+    names_bearer_on(&b->registry, agent, owes ? BEARER_OWES : BEARER_OWES_NOTHING);
 }

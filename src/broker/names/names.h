@@ -7,6 +7,7 @@
 #define MUSTER_BROKER_NAMES_H
 
 #include "broker/base/base.h"
+#include "broker/names/graveyard.h"
 #include "broker/names/processes.h"
 #include "broker/names/remote.h"
 #include "core/table.h"
@@ -75,9 +76,42 @@ enum name_event {
     NAMED_EVENTS
 };
 
-/* Its members of two values are no state yet.  Of its bearer are verdict_due and seated, and inside
- * a run gone and handed; awaited holds while it has none.  let_go and passed are marks of a run,
- * until the next one begins; unsaved and ram_behind are the store's, whatever else holds. */
+/* What the broker and the bearer of a name know of each other. */
+enum bearer {
+    BEARER_NONE,
+    BEARER_AWAITED, /* it went without a word, or an earlier life of the broker knew it: its
+                       receipts are kept */
+    BEARER_OWED,    /* its process is to be told that it has the name, or where its box goes on */
+    BEARER_TOLD,
+    BEARERS
+};
+
+enum bearer_event {
+    BEARER_SEATS,
+    BEARER_OWES,
+    BEARER_OWES_NOTHING, /* another broker, which need not know of a box that has not begun */
+    BEARER_TELLS,
+    BEARER_UNSEATS,
+    BEARER_AWAITS,
+    BEARER_FORGETS,
+    BEARER_EVENTS
+};
+
+/* What its process has reported of an agent. */
+enum report {
+    REPORT_THERE,
+    REPORT_AWAITED, /* nothing yet: the broker has given it to the process */
+    REPORT_GONE,    /* inside a run: counts when that ends */
+    REPORTS
+};
+
+enum report_event {
+    REPORT_COMES, /* that it is there; or the process is its process no longer */
+    REPORT_IS_AWAITED,
+    REPORT_OF_LEAVING,
+    REPORT_EVENTS
+};
+
 struct agent {
     char name[MU_NAME_MAX + 1];
     char place[MU_PROCESS_MAX + 1]; /* its process, or the last one that it had */
@@ -93,7 +127,8 @@ struct agent {
     uint64_t came_seq;      /* the last one that has come in this life, taken or not */
     uint64_t durable_seq;   /* the last one that went to the store, in any life */
     uint64_t failed_seq;    /* the last one that was not delivered, in any life */
-    uint64_t durable_order; /* of its last mail that is to go to the store, in this life */
+    uint64_t durable_order; /* of its last mail that is to go to the store, in this life, */
+    uint64_t ram_order;     /* and of its last one in RAM */
     uint64_t earlier_seq;   /* no mail of an earlier life of the broker has a higher one */
     uint64_t reserved_seq;  /* on disk: later lives count from here */
     uint64_t elsewhere_seq; /* no mail that other brokers have had of it has a higher one */
@@ -101,41 +136,15 @@ struct agent {
     uint64_t kept_until_ns; /* so long newcomers wait for its last bearer: see names_hold */
     uint64_t seated_above;  /* the last number of its box before the last verdict */
     uint64_t step_version;  /* of its line when a step ended, if more was said of it since */
-    bool verdict_due;
-    bool seated;     /* it has acknowledged a later one */
-    bool let_go;     /* a run waits for it to come back in another process */
-    bool handed;     /* the broker has given it to its process, which has not said since when it is
-                        there */
-    bool gone;       /* its process went inside a run: counts when that ends */
-    bool passed;     /* a run has taken the name from a process since it began */
-    bool unsaved;    /* the journal has to write its line */
-    bool ram_behind; /* it has sent mail in RAM behind durable_order */
-    bool awaited; /* it went without a word, or an earlier life of the broker knew it: its receipts
-                     are kept */
+    enum bearer bearer;
+    enum report report;
     enum name_state named;
+    /* What a run has done with the name, until the next one begins: either, whatever becomes of it
+     * then. */
+    bool let_go;            /* it waited for the agent to come back in another process */
+    bool passed;            /* it has taken the name from a process */
+    bool unsaved;           /* the journal has to write its line, whoever bears it */
     muster_Kind saved_kind; /* on disk; JOURNAL_ENDED: the name has ended */
-};
-
-/*
- * The numbers of names that have ended, and may come back: by them mail that was sent before is
- * known to be a duplicate, and new mail is not taken for one.
- *
- * It holds the GRAVES_MAX names that have ended last.  A name that is not among them begins as one
- * that no agent has had.
- */
-enum { GRAVES_MAX = 65536 };
-
-struct grave {
-    char name[MU_NAME_MAX + 1]; /* "": none */
-    muster_Kind saved_kind;
-    uint64_t seen_seq, came_seq, durable_seq, failed_seq; /* as those of struct agent */
-    uint64_t earlier_seq, reserved_seq, elsewhere_seq;
-};
-
-struct graveyard {
-    struct grave *ring; /* GRAVES_MAX of them */
-    uint32_t next;
-    struct mu_table names;
 };
 
 /* The end of names: see membership/retire.c. */
@@ -188,8 +197,9 @@ static inline uint32_t registry_addressee(const struct registry *r, const char *
     return agent != MU_NONE && r->agents[agent].named == NAMED_ENDED ? MU_NONE : agent;
 }
 
-/** Something happens to a name. */
+/* Something happens to a name, or is reported of its bearer; our own code aborts if it cannot. */
 void registry_named_on(struct registry *r, uint32_t agent, enum name_event event);
+void registry_report_on(struct registry *r, uint32_t agent, enum report_event event);
 
 /** @return whether the agent of the name was disposed of, and no other bears it */
 bool registry_is_ending(const struct agent *a);
@@ -249,22 +259,6 @@ void registry_mark_page(struct registry *r, uint32_t page);
 void registry_line(const struct registry *r, uint32_t agent, const char *broker,
                    muster_Member *out);
 
-/* --- graveyard.c ----------------------------------------------------------------------------- */
-
-void graveyard_init(struct graveyard *g);
-
-/** @return the numbers of a name that has ended, or NULL; valid until the next call */
-struct grave *graveyard_find(const struct graveyard *g, const char *name);
-
-/** Makes room for a name that has none there, if need be for the oldest one's. */
-struct grave *graveyard_add(struct graveyard *g, const char *name);
-
-/** An agent's name ends. */
-void graveyard_bury(struct graveyard *g, const struct agent *a);
-
-/** An agent's name has come back: it takes its numbers out. */
-void graveyard_raise(struct graveyard *g, struct agent *a);
-
 /* --- claims.c -------------------------------------------------------------------------------- */
 
 /*
@@ -306,6 +300,9 @@ void claims_drop(struct claims *c, uint32_t *first, uint32_t index);
 
 /* --- names.c --------------------------------------------------------------------------------- */
 
+/** Something happens to the bearer of a name; our own code aborts if it cannot. */
+void names_bearer_on(struct registry *r, uint32_t agent, enum bearer_event event);
+
 /** @return whether the agent lives beyond another broker */
 static inline bool names_is_beyond(const struct registry *r, const struct processes *p,
                                    uint32_t agent)
@@ -334,14 +331,15 @@ static inline enum mailbox_gate names_gate(const struct registry *r, const struc
 }
 
 /**
- * It has acknowledged a number.  If that was not handed out before the last verdict, its process
- * knows its seat here, and which number comes next: a reader that has had that number already takes
- * whatever follows it.
+ * @return whether it has acknowledged a number that was handed out since the last verdict: its
+ * process knows its seat here, and which number comes next.  A reader that has had that number
+ * already takes whatever follows it.
  */
-static inline void names_confirm(struct registry *r, uint32_t agent, uint64_t number)
+static inline bool names_is_confirmed(const struct registry *r, const struct mailbox *m,
+                                      uint32_t agent)
 {
-    struct agent *a = &r->agents[agent];
-    a->seated = a->seated || number > a->seated_above;
+    const struct box *box = &m->boxes[agent];
+    return box->acked > box->base && box->acked > r->agents[agent].seated_above;
 }
 
 /** Its bearer was lost with a broker, or is on its way to another platform, and may come by itself:
@@ -353,7 +351,7 @@ void names_hold(struct broker *b, uint32_t agent);
 static inline void names_tell_number(struct registry *r, const struct processes *p, uint32_t agent)
 {
     if (names_is_beyond(r, p, agent)) {
-        r->agents[agent].verdict_due = true;
+        names_bearer_on(r, agent, BEARER_OWES);
     }
 }
 

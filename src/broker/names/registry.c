@@ -11,7 +11,8 @@
 /* The letters of the table; X is illegal. */
 enum {
     X = 255,
-    L = NAMED_LASTS, R = NAMED_ENDS_WITH_RUN, E = NAMED_ENDS, D = NAMED_ENDED
+    L = NAMED_LASTS, R = NAMED_ENDS_WITH_RUN, E = NAMED_ENDS, D = NAMED_ENDED,
+    H = REPORT_THERE, W = REPORT_AWAITED, G = REPORT_GONE
 };
 
 static const unsigned char next_named[NAMED_STATES][NAMED_EVENTS] = {
@@ -21,6 +22,13 @@ static const unsigned char next_named[NAMED_STATES][NAMED_EVENTS] = {
     [NAMED_ENDS]          = {L,    E,       R,               D},
     [NAMED_ENDED]         = {L,    X,       X,               X},
 };
+
+static const unsigned char next_report[REPORTS][REPORT_EVENTS] = {
+    /*                 comes is awaited of leaving */
+    [REPORT_THERE]   = {H,    W,         G},
+    [REPORT_AWAITED] = {H,    X,         G},
+    [REPORT_GONE]    = {H,    X,         G},
+};
 /* clang-format on */
 
 void registry_named_on(struct registry *r, uint32_t agent, enum name_event event)
@@ -29,6 +37,14 @@ void registry_named_on(struct registry *r, uint32_t agent, enum name_event event
     unsigned next = next_named[a->named][event];
     MU_ASSERT(next != X);
     a->named = (enum name_state)next;
+}
+
+void registry_report_on(struct registry *r, uint32_t agent, enum report_event event)
+{
+    struct agent *a = &r->agents[agent];
+    unsigned next = next_report[a->report][event];
+    MU_ASSERT(next != X);
+    a->report = (enum report)next;
 }
 
 bool registry_is_ending(const struct agent *a)
@@ -217,8 +233,10 @@ void registry_seat(struct registry *r, uint32_t agent, uint32_t process, const c
     (void)mu_text_copy(a->place, sizeof a->place, place);
     a->is = *presence;
     a->since_wall_ns = wall_ns;
-    a->verdict_due = process != MU_NONE;
-    a->gone = a->awaited = a->handed = false;
+    if (process != MU_NONE) {
+        names_bearer_on(r, agent, BEARER_SEATS);
+    }
+    registry_report_on(r, agent, REPORT_COMES);
     registry_named_on(r, agent, NAMED_BORNE);
     registry_touch(r, agent);
 }
@@ -231,8 +249,8 @@ void registry_unseat(struct registry *r, uint32_t agent, uint64_t wall_ns)
     a->process = MU_NONE;
     a->is.state = muster_STATE_ABSENT;
     a->since_wall_ns = wall_ns;
-    a->verdict_due = false;
-    a->gone = false;
+    names_bearer_on(r, agent, BEARER_UNSEATS);
+    registry_report_on(r, agent, REPORT_COMES);
     registry_touch(r, agent);
 }
 
@@ -247,7 +265,7 @@ bool registry_update(struct registry *r, uint32_t agent, const struct presence *
                 a->is.busy_since_wall_ns == presence->busy_since_wall_ns &&
                 strcmp(a->is.reason, presence->reason) == 0;
     a->is = *presence;
-    a->handed = false;
+    registry_report_on(r, agent, REPORT_COMES);
     registry_named_on(r, agent, NAMED_BORNE);
     if (same) {
         return false;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The whole tables of what a process is to the broker: its session, its turn, its role in a run;
- * and of how a name ends. */
+ * and of how a name ends, its bearer, and what is reported of that. */
 #include "broker/steps/steps.h"
 #include "state_walk.h"
 #include "suite.h"
@@ -99,12 +99,47 @@ static void test_names(void)
     state_walk(apply_name, "LRED", rows);
 }
 
+static int apply_bearer(int state, int event)
+{
+    static struct agent agent;
+    struct registry registry = {.agents = &agent};
+    agent.bearer = (enum bearer)state;
+    names_bearer_on(&registry, 0, (enum bearer_event)event);
+    return (int)agent.bearer;
+}
+
+static int apply_report(int state, int event)
+{
+    static struct agent agent;
+    struct registry registry = {.agents = &agent};
+    agent.report = (enum report)state;
+    registry_report_on(&registry, 0, (enum report_event)event);
+    return (int)agent.report;
+}
+
+static void test_bearers(void)
+{
+    /* None, Awaited, Owed a verdict, Told */
+    static const char *const rows[BEARERS] = {"|O....AN", "|O....AN", "|OOTTN..", "|OOT.N.."};
+    CU_ASSERT_EQUAL(BEARER_EVENTS, 7);
+    state_walk(apply_bearer, "NAOT", rows);
+}
+
+static void test_reports(void)
+{
+    /* tHere, aWaited, Gone */
+    static const char *const rows[REPORTS] = {"|HWG", "|H.G", "|H.G"};
+    CU_ASSERT_EQUAL(REPORT_EVENTS, 3);
+    state_walk(apply_report, "HWG", rows);
+}
+
 int main(void)
 {
     processes_init(&processes);
     CU_TestInfo tests[] = {
-        {"sessions", test_sessions}, {"turns", test_turns}, {"roles", test_roles},
-        {"names", test_names},       CU_TEST_INFO_NULL,
+        {"sessions", test_sessions}, {"turns", test_turns},     {"roles", test_roles},
+        {"names", test_names},       {"bearers", test_bearers}, {"reports", test_reports},
+        CU_TEST_INFO_NULL,
     };
     return suite_run("broker/process_states", tests);
 }

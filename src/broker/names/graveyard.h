@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file graveyard.h
+ * The numbers of names that have ended.
+ */
+#ifndef MUSTER_BROKER_GRAVEYARD_H
+#define MUSTER_BROKER_GRAVEYARD_H
+
+#include "core/table.h"
+#include "muster/limits.h"
+#include "wire.h"
+
+#include <stdint.h>
+
+struct agent;
+
+/*
+ * The numbers of names that have ended, and may come back: by them mail that was sent before is
+ * known to be a duplicate, and new mail is not taken for one.
+ *
+ * It holds the GRAVES_MAX names that have ended last.  A name that is not among them begins as one
+ * that no agent has had.
+ */
+enum { GRAVES_MAX = 65536 };
+
+struct grave {
+    char name[MU_NAME_MAX + 1]; /* "": none */
+    muster_Kind saved_kind;
+    uint64_t seen_seq, came_seq, durable_seq, failed_seq; /* as those of struct agent */
+    uint64_t earlier_seq, reserved_seq, elsewhere_seq;
+};
+
+struct graveyard {
+    struct grave *ring; /* GRAVES_MAX of them */
+    uint32_t next;
+    struct mu_table names;
+};
+
+void graveyard_init(struct graveyard *g);
+
+/** @return the numbers of a name that has ended, or NULL; valid until the next call */
+struct grave *graveyard_find(const struct graveyard *g, const char *name);
+
+/** Makes room for a name that has none there, if need be for the oldest one's. */
+struct grave *graveyard_add(struct graveyard *g, const char *name);
+
+/** An agent's name ends. */
+void graveyard_bury(struct graveyard *g, const struct agent *a);
+
+/** An agent's name has come back: it takes its numbers out. */
+void graveyard_raise(struct graveyard *g, struct agent *a);
+
+#endif
