@@ -75,7 +75,7 @@ struct mu_agent {
     uint64_t last_number;    /* of its box that it got */
     uint64_t acked_number;   /* told the broker */
     uint64_t handed;         /* items that reached its handlers */
-    uint32_t senses;         /* enum mu_sense: that its body is to read */
+    uint32_t senses;         /* bits of enum mu_sense: that its body is to read */
     enum mu_paddles paddles; /* this step */
     enum mu_lift lift;
     bool embodied;             /* this step: the simulator has sent what its body feels */

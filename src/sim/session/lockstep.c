@@ -37,7 +37,7 @@ static mu_result silence_report(struct session *s)
     }
     for (uint32_t i = 0; !broker_is_late && i < s->process_count; i++) {
         const struct session_process *p = &s->processes[i];
-        if (p->roles != 0 && member_is_in_steps(p) && p->answered < s->step) {
+        if (member_attends(p) && member_is_in_steps(p) && p->answered < s->step) {
             mu_text_format(&who, " %s", p->name);
         }
     }

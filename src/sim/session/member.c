@@ -65,7 +65,12 @@ bool member_is_in_steps(const struct session_process *p)
     return p->state != MEMBER_RELEASED && p->state != MEMBER_LEFT_OUT;
 }
 
+bool member_attends(const struct session_process *p)
+{
+    return p->sight != MEMBER_HAS_BODIES || p->host[0] != '\0';
+}
+
 bool member_is_needed(const struct session_process *p)
 {
-    return (p->roles & (MEMBER_WATCHES | MEMBER_ONLOOKS)) == MEMBER_WATCHES;
+    return p->sight == MEMBER_WATCHES;
 }

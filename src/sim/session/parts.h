@@ -45,7 +45,7 @@ struct session_robot {
     double command_forward_m_s, command_turn_rad_s; /* the last command to its motors */
     int32_t paddles, lift; /* orders to its gripper in the last answer, as in Act */
     uint32_t senses;       /* requested by its agent: bits of enum mu_sense */
-    uint32_t off;          /* those that an order has switched off */
+    uint32_t off;          /* bits of enum mu_sense: those that an order has switched off */
     uint32_t quiet_steps;  /* since its agent has set a speed */
     struct engine_sample sensed;
 };
@@ -76,11 +76,11 @@ enum member_event {
     MEMBER_EVENTS
 };
 
-enum {                     /* roles */
-       MEMBER_WATCHES = 1, /* it sees all bodies, and has none */
-       MEMBER_HOSTS = 2,   /* agents may move to it: it belongs to the run even without any */
-       MEMBER_ONLOOKS =
-           4, /* it watches, and the run does not need it: all its agents are special */
+/* Whether it sees all bodies, and has none. */
+enum member_sight {
+    MEMBER_HAS_BODIES, /* it does not */
+    MEMBER_WATCHES,
+    MEMBER_ONLOOKS /* it does, and the run does not need it: all its agents are special */
 };
 
 enum {                     /* what a process needs before it joins */
@@ -95,9 +95,11 @@ struct session_process {
     char broker[MU_NAME_MAX + 1]; /* of its agents */
     struct bus_writer sense;
     enum member_state state;
-    unsigned roles;                   /* MEMBER_WATCHES ... */
-    unsigned joined;                  /* MEMBER_GREETED ... */
-    char host[MU_NAME_MAX + 1];       /* its name as a host */
+    enum member_sight sight;
+    unsigned joined; /* MEMBER_GREETED ... */
+    /* Its name as a host, or "": agents may move to it, and it belongs to the run even without any.
+     */
+    char host[MU_NAME_MAX + 1];
     char claimer[MU_PROCESS_MAX + 1]; /* the process that claims its place */
     uint32_t refused;                 /* events that its state does not allow */
     int64_t answered;                 /* the last step that it has answered */
@@ -302,6 +304,9 @@ bool member_is_in_steps(const struct session_process *p);
 
 /** @return whether the run needs it without an agent, as it does a resolver */
 bool member_is_needed(const struct session_process *p);
+
+/** @return whether it watches or hosts: the run waits for its answers, whatever lives in it */
+bool member_attends(const struct session_process *p);
 
 /* --- phase.c: the states of a run ------------------------------------------------------------- */
 

@@ -48,7 +48,8 @@ static void process_release(struct session *s, uint32_t process)
         }
     }
     agents_renumber(&s->agents, (int32_t)process, -1);
-    s->processes[process].roles = 0;
+    s->processes[process].sight = MEMBER_HAS_BODIES;
+    s->processes[process].host[0] = '\0';
     (void)member_on(&s->processes[process], MEMBER_RELEASES);
 }
 

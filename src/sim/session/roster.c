@@ -42,7 +42,7 @@ void roster_lay_out(struct session *s)
                 p->sample.robots._length++;
             }
         }
-        if (p->roles & MEMBER_WATCHES) {
+        if (p->sight != MEMBER_HAS_BODIES) {
             p->sample.robots._buffer = s->bodies;
             p->sample.robots._length = (uint32_t)s->robot_count;
         }
@@ -136,9 +136,9 @@ static bool watcher_take(struct session *s, const muster_Registration *r, bool w
         return false;
     }
     struct session_process *p = &s->processes[process];
-    bool changed = ((p->roles & MEMBER_WATCHES) != 0) != watches;
-    p->roles &= (unsigned)MEMBER_HOSTS;
-    p->roles |= watches ? MEMBER_WATCHES | (onlooks ? MEMBER_ONLOOKS : 0) : 0;
+    bool changed = (p->sight != MEMBER_HAS_BODIES) != watches;
+    enum member_sight sight = onlooks ? MEMBER_ONLOOKS : MEMBER_WATCHES;
+    p->sight = watches ? sight : MEMBER_HAS_BODIES;
     return changed;
 }
 
@@ -151,13 +151,12 @@ static void host_take(struct session *s, const muster_Registration *r, enum bus_
         if (e->kind == muster_KIND_HOST && e->state != muster_STATE_ABSENT) {
             process = process < 0 ? process_add(s, r->process) : process;
             if (process >= 0) {
-                s->processes[process].roles |= MEMBER_HOSTS;
                 mu_text_copy(s->processes[process].host, MU_NAME_MAX + 1, e->name);
             }
         }
     }
     if (life != BUS_DATA && process >= 0) {
-        s->processes[process].roles &= ~(unsigned)MEMBER_HOSTS;
+        s->processes[process].host[0] = '\0';
     }
 }
 
@@ -194,7 +193,7 @@ static int32_t process_of(const struct session *s, const muster_Entry *e)
     int32_t process = agent ? agent->process : -1;
     for (uint32_t i = 0; i < s->process_count && e->kind == muster_KIND_HOST; i++) {
         const struct session_process *p = &s->processes[i];
-        process = (p->roles & MEMBER_HOSTS) && strcmp(p->host, e->name) == 0 ? (int32_t)i : process;
+        process = p->host[0] != '\0' && strcmp(p->host, e->name) == 0 ? (int32_t)i : process;
     }
     return process;
 }
@@ -279,7 +278,7 @@ static const char *broker_of(const struct session *s)
 static bool process_attends(const struct session *s, const struct session_process *p)
 {
     const char *broker = broker_of(s);
-    return p->roles != 0 && (broker[0] == '\0' || strcmp(p->broker, broker) == 0);
+    return member_attends(p) && (broker[0] == '\0' || strcmp(p->broker, broker) == 0);
 }
 
 static void missing_add(struct mu_text *missing, uint32_t count, uint32_t wanted, const char *what)
@@ -300,7 +299,7 @@ static void attendants_await(const struct session *s, struct mu_text *missing)
             continue;
         }
         watchers += member_is_needed(p);
-        hosts += (p->roles & MEMBER_HOSTS) != 0;
+        hosts += p->host[0] != '\0';
         if (!process_is_ready(s, (int32_t)i)) {
             mu_text_format(missing, "%s%s", missing->len ? " " : "", p->name);
         }

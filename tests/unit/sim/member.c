@@ -107,8 +107,8 @@ static void set_up(void)
 {
     static const struct session_process processes[] = {
         [CARTER] = {.name = "carter.1", .state = MEMBER_ACTIVE},
-        [RESOLVER] = {.name = "resolver.1", .state = MEMBER_ACTIVE, .roles = MEMBER_WATCHES},
-        [HOST] = {.name = "host.1", .state = MEMBER_ACTIVE, .roles = MEMBER_HOSTS, .host = "inn"}};
+        [RESOLVER] = {.name = "resolver.1", .state = MEMBER_ACTIVE, .sight = MEMBER_WATCHES},
+        [HOST] = {.name = "host.1", .state = MEMBER_ACTIVE, .host = "inn"}};
     if (!s.processes) {
         s.processes = mu_startup_array(MU_PROCESSES_MAX, sizeof *s.processes);
         physics_clear();
