@@ -23,7 +23,7 @@
 (defrule ask
   (declare (salience 10))
   ?asked <- (asked ?n)
-  (position ?time $?)
+  (time ?time)
   (test (< (* 2 ?n) (length$ ?*jobs*)))
   (test (>= ?time (+ ?*first* (* ?*pause* (/ ?n 2)))))
   =>

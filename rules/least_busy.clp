@@ -9,9 +9,6 @@
   (slot name)
   (slot load))  ; jobs that it has, or is about to get
 
-(deffacts beginning
-  (goal stay))
-
 ; Workers that were there before it, or before it died without a checkpoint.
 (defrule call-the-roll
   (event on-run)

@@ -2,6 +2,7 @@
 """Addresses that programs resolve: role, task, near, and one of somebody's own."""
 import contextlib
 import json
+import os
 import signal
 
 from support import (BUILD, MUSTER, ROOT, Processes, broker_start, check, check_equal,
@@ -193,8 +194,9 @@ def test_a_resolver_of_ones_own():
 # A resolver in rules, and a customer that always asks for the one with the least to do.
 TEAM = """world: {root}/worlds/arena.world
 duration: 30
+agents:
+  - {{name: dispatcher, rules: {root}/rules/least_busy.clp}}
 robots:
-  - {{name: dispatcher, rules: {root}/rules/least_busy.clp, body: pioneer, pose: [-6.3, 5.3, 0]}}
   - {{name: red, rules: {root}/rules/customer.clp}}
   - {{name: blue, rules: {root}/rules/worker.clp}}
   - {{name: green, rules: {root}/rules/worker.clp}}
@@ -222,6 +224,26 @@ def test_a_resolver_in_rules_is_killed_in_lock_step():
         check_equal(done.returncode, 0, done.stderr)
         check("nobody for" not in done.stdout + done.stderr, "it has called the roll, and resolves again")
         check(lost["hash"] != calm["hash"], "what it had counted was lost")
+
+
+def test_a_resolver_process_is_killed_in_lock_step():
+    """It knows nothing that it is not told anew: what was asked while it was away it answers then."""
+    with folder() as out, Processes() as processes:
+        file = near_experiment(out)
+        file.write_text(file.read_text().replace("duration: 3", "duration: 30").replace("[near, role]", "[near]"))
+        _, calm = experiment_run(out / "calm", "--domain", new_domain(), file=file)
+        domain = new_domain()
+        run = processes.start(MUSTER, "run", file, "--quiet", "--rate", "10", "--set", "on-crash=restart",
+                              "--out", out / "wild", "--domain", domain)
+        before = 0
+        for _ in range(2):
+            wait_for(lambda: members(domain).get("resolver.near", {}).get("pid", before) != before, 10, "a resolver")
+            before = members(domain)["resolver.near"]["pid"]
+            os.kill(before, signal.SIGKILL)
+        check_equal(run.wait(60), 0, "the run")
+        wild = json.loads((out / "wild" / "summary.json").read_text())
+        check_equal([(r["process"], r["count"]) for r in wild["restarts"]], [("near", 2)], "who came back")
+        check_equal(wild["hash"], calm["hash"], "the hash")
 
 
 DESK = """

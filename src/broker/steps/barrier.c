@@ -27,7 +27,7 @@ void steps_rescope(struct broker *b, uint32_t agent)
     const struct process *at = &b->processes.at[a->process];
     a->scope = scope_of_agent(at->scope,
                               at->kind == PROCESS_ONLOOKERS && a->is.kind == muster_KIND_SPECIAL,
-                              b->steps.held && a->is.kind == muster_KIND_ROBOT);
+                              b->steps.held && (a->is.kind == muster_KIND_ROBOT || a->let_go));
 }
 
 void steps_mark_residents(struct broker *b, uint32_t place)

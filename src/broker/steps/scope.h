@@ -56,7 +56,7 @@ static const bool scope_of_run[RELATIONS][SCOPES] = {
 /**
  * @param process   the scope of its process
  * @param looks_on  it is a special agent, in a process whose agents have no bodies
- * @param awaited   it is a robot, and the run is held
+ * @param awaited   the run is held, and it is a robot, or its name was in the run before
  */
 static inline enum scope scope_of_agent(enum scope process, bool looks_on, bool awaited)
 {
