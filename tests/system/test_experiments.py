@@ -6,7 +6,7 @@ from support import ROOT, check, check_equal, experiment_run, folder, muster
 
 EXPERIMENTS = ROOT / "experiments"
 PAGES = ROOT / "docs/experiments"
-TAUGHT = ("follow", "collect", "explore", "formation", "contract-net", "auction", "office", "broker-death")
+TAUGHT = ("follow", "collect", "explore", "formation", "contract-net", "auction", "office", "platoon", "least-busy", "broker-death")
 
 
 def series(name, seeds, *words):
@@ -36,6 +36,14 @@ def test_formation():
 
 def test_contract_net():
     series("contract-net", "1..4")
+
+
+def test_platoon():
+    series("platoon", "1..3")
+
+
+def test_least_busy():
+    series("least-busy", "1..3")
 
 
 def test_every_job_of_the_contract_net_is_done_once():
