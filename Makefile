@@ -495,6 +495,10 @@ bench-recording: all ## what run.mcap costs a run, in interleaved rounds: ARGS=R
 bench-scale: all ## many robots in whole runs, one process against two: ARGS="--robots 100 1000 --rounds 3"
 	@BUILD=$(BUILD) bench/sim/scale $(ARGS)
 
+.PHONY: bench-agents
+bench-agents: all ## agents without a body and without a simulator, each with a timer and mail: ARGS="--agents 1000 --rounds 3"
+	@BUILD=$(BUILD) bench/run/agents $(ARGS)
+
 .PHONY: bench-web
 bench-web: all $(O)/programs/frame_feeder ## the live page: frames for viewers and in a browser, processor time of the server
 	@BUILD=$(BUILD) bench/web/page $(ARGS)
