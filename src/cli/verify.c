@@ -225,6 +225,22 @@ static void result_print(struct verify *v, const struct difference *d)
     }
 }
 
+/* @return whether the second run was computed by other versions than the recording names; said */
+static bool versions_differ(const struct verify *v)
+{
+    static const char *const keys[] = {"muster", "ode", "clips"};
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
+        const char *now = recording_note(&v->after, keys[i]);
+        if (strcmp(note(v, keys[i]), now) != 0) {
+            fprintf(stderr, "muster verify: the recording was made with %s %s", keys[i],
+                    plain(note(v, keys[i])));
+            fprintf(stderr, ", and this is %s\n", plain(now));
+            return true;
+        }
+    }
+    return false;
+}
+
 static int compare(struct verify *v)
 {
     struct mu_fault fault;
@@ -241,6 +257,9 @@ static int compare(struct verify *v)
         result_json(v, differ ? &d : NULL);
     } else {
         result_print(v, differ ? &d : NULL);
+    }
+    if (differ && !is_changed(v) && versions_differ(v)) {
+        return MU_EXIT_OTHER;
     }
     return differ || is_changed(v) ? MU_EXIT_EXPECTATION : MU_EXIT_DONE;
 }
@@ -278,7 +297,7 @@ static int recording_read(struct verify *v)
     }
     if (!there || recording_open(&v->before, v->file, &fault) != MU_OK) {
         mu_fault_print(&fault);
-        return MU_EXIT_FILE;
+        return v->before.foreign ? MU_EXIT_OTHER : MU_EXIT_FILE;
     }
     if (!realpath(v->file, v->path)) {
         fprintf(stderr, "%s: %s\n", v->file, strerror(errno));

@@ -3,19 +3,20 @@
 
 static const struct mu_exit_row exit_rows[] = {
     {MU_EXIT_DONE, "done", "done"},
-    {MU_EXIT_EXPECTATION, "expectation", "an expectation failed"},
+    {MU_EXIT_EXPECTATION, "expectation", "an expectation failed, or a comparison differs"},
     {MU_EXIT_USAGE, "usage", "wrong usage"},
     {MU_EXIT_FILE, "file", "a bad file"},
-    {MU_EXIT_DDS, "no-answer", "nobody answers"},
+    {MU_EXIT_DDS, "no-answer", "no process answers"},
     {MU_EXIT_CRASH, "crash", "a process of the run crashed"},
     {MU_EXIT_REFUSED, "refused", "refused: by policy, by the agent's state, or a held name"},
-    {MU_EXIT_NO_AGENT, "unknown", "no such agent, group or service, or nobody fits the address"},
+    {MU_EXIT_NO_AGENT, "unknown", "no such agent, group or service, or no agent fits the address"},
     {MU_EXIT_UNDELIVERED, "undelivered",
      "not delivered: expired, dropped, no room; or refused by an answer"},
     {MU_EXIT_WRITE, "write", "cannot write"},
     {MU_EXIT_SEVERAL, "ambiguous", "several runs live: say which"},
     {MU_EXIT_NETWORK, "network", "no such network, interface or domain"},
     {MU_EXIT_UNDONE, "undone", "something that the experiment named did not happen"},
+    {MU_EXIT_OTHER, "other", "another version, program or arithmetic than the recording's"},
     {MU_EXIT_TIME, "time", "time limit, or an answer that did not come"},
     {MU_EXIT_INTERRUPTED, "interrupted", "interrupted"},
 };

@@ -26,6 +26,7 @@ enum mu_exit {
     MU_EXIT_SEVERAL = 10,
     MU_EXIT_NETWORK = 11,
     MU_EXIT_UNDONE = 12,
+    MU_EXIT_OTHER = 13,
     MU_EXIT_TIME = 124,
     MU_EXIT_INTERRUPTED = 130
 };

@@ -101,7 +101,7 @@ static void frames_read(struct recording *r)
 }
 
 /* What another version wrote is no sample of this one, or is one by accident. */
-static mu_result types_check(const struct recording *r, const char *path, struct mu_fault *fault)
+static mu_result types_check(struct recording *r, const char *path, struct mu_fault *fault)
 {
     static const enum bus_topic needed[] = {BUS_FRAME, BUS_SCENE};
     for (size_t i = 0; i < sizeof needed / sizeof needed[0]; i++) {
@@ -111,12 +111,13 @@ static mu_result types_check(const struct recording *r, const char *path, struct
         if (c && !bus_schema_is(needed[i], c->schema, c->schema_size)) {
             char bytes[128];
             struct mu_text origin = mu_text_in(bytes, sizeof bytes);
+            r->foreign = bus_topic_name(needed[i]);
             mcap_origin_write(r->reader, &origin);
             return mu_fault_at(fault, path, 0, 0,
                                "it was written by %s, whose %s is another type than that of this "
                                "muster, " MU_VERSION
                                ": use the one that wrote it, or do the run again with this one",
-                               origin.at, bus_topic_name(needed[i]));
+                               origin.at, r->foreign);
         }
     }
     return MU_OK;
@@ -129,6 +130,7 @@ mu_result recording_open(struct recording *r, const char *path, struct mu_fault 
     r->interventions->count = 0;
     r->steps_count = 0;
     r->malformed = 0;
+    r->foreign = NULL;
     MU_TRY(mcap_reader_open(r->reader, path, fault));
     MU_TRY(types_check(r, path, fault));
     r->frames = mcap_reader_find(r->reader, "Frame");

@@ -66,7 +66,7 @@ size_t interventions_tell(const struct interventions *h, const struct interventi
 /* --- minds.c ---------------------------------------------------------------------------------- */
 
 /*
- * What went on in the minds of a recorded run, out of their diaries (docs/observing.md).
+ * What went on in the minds of a recorded run, out of their diaries (docs/reference/frame.md).
  *
  * Pure: diaries are added in the order of steps, then anything can be asked of any step.  All
  * memory is taken by minds_open.  One thread.
@@ -191,6 +191,7 @@ struct recording {
     muster_Frame *frame; /* of the last call, */
     uint64_t frame_ns;   /* and its log time */
     void *room;          /* for one message */
+    const char *foreign; /* a topic of another type than this version's; NULL: none was met */
 };
 
 /** Takes the memory for a recording.  @return MU_OK; MU_FAULT_FILE: there is no such file */
@@ -200,7 +201,8 @@ MU_MUST_USE mu_result recording_create(struct recording *r, const char *path,
 /**
  * Opens it, or another one that is no longer, and reads it through; what was open is closed.
  *
- * @return MU_OK; MU_FAULT_FILE: not a recording of a run, or of another version's types
+ * @return MU_OK; MU_FAULT_FILE: not a recording of a run, or of another version's types: see
+ *         `foreign`
  */
 MU_MUST_USE mu_result recording_open(struct recording *r, const char *path, struct mu_fault *fault);
 

@@ -228,6 +228,13 @@ def test_files_shown_in_pages_are_the_files():
     check(shown > 0, "no page shows a file")
 
 
+def test_exit_codes_of_troubleshooting_are_those_of_the_table():
+    said = subprocess.run([BIN / "muster", "help", "exits"], capture_output=True, text=True, check=True).stdout
+    wanted = [(code, meaning) for code, _, meaning in (row.split("\t") for row in said.splitlines()) if code != "0"]
+    page = (ROOT / "docs/troubleshooting.md").read_text().split("## Exit codes", 1)[1].split("\n## ", 1)[0]
+    check_equal(re.findall(r"^\| (\d+) \| (.*?) \| .*\|$", page, re.M), wanted, "exit codes of troubleshooting.md")
+
+
 def test_every_key_of_json_is_in_the_reference():
     """Keys that `--json` prints and that a run writes, as the code has them."""
     pages = "".join((ROOT / "docs/reference" / name).read_text() for name in ("json.md", "files.md"))

@@ -4,6 +4,7 @@ import contextlib
 import json
 import os
 import pathlib
+import re
 import signal
 import struct
 import zlib
@@ -208,6 +209,29 @@ def test_a_changed_byte_is_found():
         check(not found["equal"] and 10 < found["step"] < 90, f"a step in the middle: {found}")
         check_equal(found["who"], "red", "who")
         check(not found["changed"], "the checksum is right")
+
+
+def noted(data, key, old, new):
+    """A recording with another value of one length behind a key of its notes."""
+    def pair(value):
+        return b"".join(struct.pack("<I", len(word)) + word for word in (key, value))
+    check(len(old) == len(new) and data.count(pair(old)) == 1, f"{key} is noted once")
+    at = data.index(pair(old))
+    return data[:at] + pair(new) + data[at + len(pair(old)):]
+
+
+def test_another_version_that_goes_another_way():
+    with folder() as out:
+        recording, _ = record(out / "run", "--duration", 5)
+        data = recording.read_bytes()
+        ode = re.search(rb"\x03\0\0\0ode(.)\0\0\0([0-9.]+)", data, re.S)[2]
+        other = b"9" + ode[1:]
+        (out / "other.mcap").write_bytes(noted(data, b"ode", ode, other))
+        check_equal(verify(out / "other.mcap")[0], 0, "another version that goes the same way")
+        (out / "other.mcap").write_bytes(noted(changed(data, 0.5), b"ode", ode, other))
+        code, said, why = verify(out / "other.mcap")
+        check_equal((code, said.startswith("different at step ")), (13, True), said)
+        check(f"made with ode {other.decode()}, and this is {ode.decode()}" in why, why)
 
 
 def test_a_wrong_checksum_is_told():

@@ -367,6 +367,7 @@ static mu_result described_open(const char *schema, size_t size, struct mu_fault
     CU_ASSERT_EQUAL(mcap_writer_close(writer), MU_OK);
     CU_ASSERT_EQUAL_FATAL(recording_create(&r, path, fault), MU_OK);
     mu_result opened = recording_open(&r, path, fault);
+    CU_ASSERT_EQUAL(r.foreign != NULL, opened != MU_OK);
     recording_close(&r);
     return opened;
 }
