@@ -13,28 +13,27 @@ extern "C" {
 #endif
 
 /* Name, word, meaning.  The order is that of the wire: new ones come last. */
-#define MU_REFUSALS(X)                                                                        \
-    X(NONE, "", "")                                                                           \
-    X(NAME_HELD, "held", "another participant has that name")                                 \
-    X(NOT_A_NAME, "not-a-name", "that cannot be a name here")                                 \
-    X(FULL, "full", "the broker has no room for more")                                        \
-    X(OUT_OF_DATE, "out-of-date", "the agent has moved on since, or has stayed after all")    \
-    X(UNKNOWN_HOST, "unknown-host", "there is no host of that name; muster ps lists them")    \
-    X(HOST_ABSENT, "host-absent", "that host is there no more; muster ps lists them")         \
-    X(HERE_ALREADY, "here-already", "it is on that host")                                     \
-    X(NAME_TAKEN, "name-taken", "somebody has that name; muster ps lists all")                \
-    X(BUSY, "busy", "its process sends another agent on its way; try again")                  \
-    X(TOO_LARGE, "too-large", "it has more facts and rules than fit into 1 MiB")              \
-    X(STATE, "wrong-state", "its state does not allow that")                                  \
-    X(UNSUPPORTED, "unsupported", "it is no agent that can be told so")                       \
-    X(POLICY, "refused", "by the trust policy: who may direct an agent may do this")          \
-    X(UNKNOWN_NAME, "unknown-name",                                                           \
-      "no agent has ever had that name; muster ps lists who is there")                        \
-    X(UNKNOWN_GROUP, "unknown-group", "there is no such group; muster group list lists them") \
-    X(NOT_A_MEMBER, "not-a-member", "it is not in that group")                                \
-    X(NOT_OFFERED, "not-offered",                                                             \
-      "it does not offer that; muster service list lists what is offered")                    \
-    X(NOT_ATTRIBUTES, "not-attributes", "expected key=value, separated by spaces")            \
+#define MU_REFUSALS(X)                                                                             \
+    X(NONE, "", "")                                                                                \
+    X(NAME_HELD, "held", "another participant has that name")                                      \
+    X(NOT_A_NAME, "not-a-name", "that cannot be a name here")                                      \
+    X(FULL, "full", "the broker has no room for more")                                             \
+    X(OUT_OF_DATE, "out-of-date", "the agent has moved on since, or has stayed after all")         \
+    X(UNKNOWN_HOST, "unknown-host", "there is no host of that name; muster ps lists them")         \
+    X(HOST_ABSENT, "host-absent", "that host is there no more; muster ps lists them")              \
+    X(HERE_ALREADY, "here-already", "it is on that host")                                          \
+    X(NAME_TAKEN, "name-taken", "another agent has that name; muster ps lists all")                \
+    X(BUSY, "busy", "its process sends another agent on its way; try again")                       \
+    X(TOO_LARGE, "too-large", "it has more facts and rules than fit into 1 MiB")                   \
+    X(STATE, "wrong-state", "its state does not allow that")                                       \
+    X(UNSUPPORTED, "unsupported", "it is no agent that can be told so")                            \
+    X(POLICY, "refused", "by the trust policy: it takes the right to direct that agent")           \
+    X(UNKNOWN_NAME, "unknown-name", "no agent has ever had that name; muster ps lists all agents") \
+    X(UNKNOWN_GROUP, "unknown-group", "there is no such group; muster group list lists them")      \
+    X(NOT_A_MEMBER, "not-a-member", "it is not in that group")                                     \
+    X(NOT_OFFERED, "not-offered",                                                                  \
+      "it does not offer that; muster service list lists what is offered")                         \
+    X(NOT_ATTRIBUTES, "not-attributes", "expected key=value, separated by spaces")                 \
     X(GROUP_EXISTS, "group-exists", "there is a group of that name")
 
 enum mu_refusal {

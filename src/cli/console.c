@@ -374,7 +374,7 @@ static int console_join(struct console *c, const char *agent)
     }
     const struct mu_member *m = mu_process_lookup(c->op.process, agent);
     if (!m || m->state == MU_GONE) {
-        fprintf(stderr, "muster console: %s: %s; muster ps lists who is there\n", agent,
+        fprintf(stderr, "muster console: %s: %s; muster ps lists all agents\n", agent,
                 m ? "absent" : "no such agent");
         return MU_EXIT_NO_AGENT;
     }

@@ -168,10 +168,10 @@ int group_verb(int argc, char **argv)
         .program = "muster group",
         .usage = "list | members G | create G | join G | leave G | send G WORD... [OPTION...]",
         .about =
-            "Groups of agents: mail to group:G goes to all members.  Whoever joins makes a group "
-            "that is not there, and stays a member when it is absent; the last one who leaves "
-            "ends it.  With --as, the operator does it for another agent, if the trust policy "
-            "lets it direct that one.  muster group send --help has the options of send.",
+            "Groups of agents: mail to group:G goes to all members.  An agent that joins makes "
+            "a group that is not there, and stays a member when it is absent.  The last member "
+            "that leaves ends it.  With --as, the operator does it for another agent, if the trust "
+            "policy lets it direct that one.  muster group send --help has the options of send.",
         .table = table,
         .count = sizeof table / sizeof table[0]};
     mu_result parsed = operator_parse(&o, argc, argv, &options);

@@ -26,7 +26,7 @@ static const struct verb {
 } verbs[] = {
     {"send", "TO WORD... [OPTION...]", "muster send red hello world",
      "Sends a mail.  TO is a name, names joined by commas, all, robots, special, group:G, or "
-     "SCHEME:REST, an address that somebody resolves, such as role:scout.",
+     "SCHEME:REST, an address that a resolver knows, such as role:scout.",
      2, 0, 0, NULL},
     {"broadcast", "WORD... [OPTION...]", "muster broadcast hello",
      "Sends a mail to every agent that is active.", 1, 0, 0, "all"},
@@ -52,7 +52,7 @@ static const struct verb {
     {"dispose", "TARGETS [OPTION...]", "muster dispose red", "Ends agents for good.", 1, 0,
      DIRECTIVE | MAY_WAIT, NULL},
     {"group send", "GROUP WORD... [OPTION...]", "muster group send scouts hello",
-     "Sends a mail to all members of a group; who is absent gets it on coming back.", 2, 0, 0,
+     "Sends a mail to all members of a group; an absent one gets it on coming back.", 2, 0, 0,
      "group:"},
 };
 

@@ -35,7 +35,7 @@ static struct mu_option wait_table[] = {
     MU_INTEGER("hosts", "N", wait.hosts, "until so many hosts are there", .min = 0,
                .max = MU_PROCESSES_MAX),
     MU_FLAG("run", wait.run, "until a run has begun its steps"),
-    MU_STRING("service", "QUERY", wait.service, "until somebody offers this, such as 'map hz>=1'"),
+    MU_STRING("service", "QUERY", wait.service, "until an agent offers this, such as 'map hz>=1'"),
     MU_REAL("timeout", "S", wait.timeout_s, "wait no longer than this; then the exit code is 124",
             .fallback = "60", .min = 0, .max = 1e9)};
 

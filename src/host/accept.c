@@ -72,7 +72,7 @@ static const char *objection(struct host *h, const struct arrival *a,
                              const struct snapshot_header *p)
 {
     if (a->src[0] && (p->purpose == MIGRATION_LAUNCH) != a->directive) {
-        return "launching is for those who may direct this host";
+        return "launching is for agents that may direct this host";
     }
     if (!name_is_welcome(h, p->name)) {
         return "not-welcome";

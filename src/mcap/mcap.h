@@ -145,7 +145,7 @@ void mcap_reader_seek(struct mcap_reader *r, uint64_t from_ns, uint64_t until_ns
  */
 MU_MUST_USE mu_result mcap_reader_next(struct mcap_reader *r, struct mcap_message *message);
 
-/** Adds "muster 0.1.0 on 2026-02-28", or "somebody else" where the recording does not say it; 100
+/** Adds "muster 0.1.0 on 2026-02-28", or "another program" where the recording does not say it; 100
  * bytes are enough. */
 void mcap_origin_write(const struct mcap_reader *r, struct mu_text *to);
 

@@ -19,7 +19,7 @@ void mcap_origin_write(const struct mcap_reader *r, struct mu_text *to)
     char shown[MU_TEXT_SHOWN], day[32];
     struct tm utc;
     if (!version) {
-        mu_text_add(to, "somebody else");
+        mu_text_add(to, "another program");
         return;
     }
     mu_text_format(to, "muster %s", mu_text_show(shown, version));

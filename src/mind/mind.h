@@ -250,8 +250,8 @@ void mind_go_on(struct mind *m);
 void mind_words(struct mind *m, struct mu_text *out);
 
 /**
- * Adds what went on since this was asked last, in the lines of docs/observing.md; nothing unless
- * the options want a trace.  At most 16 KiB; lines without room are counted in the last one.
+ * Adds what went on since this was asked last, in the lines of docs/reference/frame.md; nothing
+ * unless the options want a trace.  At most 16 KiB; lines without room are counted in the last one.
  */
 void mind_trace(struct mind *m, struct mu_text *out);
 

@@ -176,8 +176,8 @@ const char *answer_outcome_advice(enum mu_outcome outcome, const char *to)
     if (strncmp(to, "group:", strlen("group:")) == 0) {
         return "; muster group list lists groups";
     }
-    return strchr(to, ':') ? "; nobody is meant by that, or no resolver is there that knows it"
-                           : "; muster ps lists who is there";
+    return strchr(to, ':') ? "; no agent fits that, or no resolver is there that knows it"
+                           : "; muster ps lists all agents";
 }
 
 const char *answer_travel_advice(const char *content)

@@ -243,7 +243,7 @@ int direct_send(struct operator* o, const struct direct *d)
     snprintf(directing.reply_with, sizeof directing.reply_with, "q%ld", (long)getpid());
     targets_find(o, d->to);
     if (directing.count == 0) {
-        fprintf(stderr, "muster: to %s: nobody is there; muster ps lists who is\n", d->to);
+        fprintf(stderr, "muster: to %s: no such agent is there; muster ps lists all\n", d->to);
         return MU_EXIT_NO_AGENT;
     }
     uint64_t began_ns = mu_clock_ns();

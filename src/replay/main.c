@@ -35,7 +35,7 @@ static struct mu_option option_table[] = {
     MU_REAL("rate", "R", set.rate, "times the recording's own time; 0: as fast as readers take it",
             .fallback = "1", .environment = "MUSTER_RATE", .max = 1e6),
     MU_LIST("topics", "TOPIC", set.topics,
-            "only these, or all (default: those that are for who looks at a run, and those of "
+            "only these, or all (default: those that are for observers of a run, and those of "
             "other programs)"),
     MU_REAL("from", "S", set.from_s, "begin so many seconds after the first message",
             .fallback = "0", .max = 1e9),

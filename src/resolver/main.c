@@ -48,7 +48,7 @@ static mu_result settings_parse(struct settings *set, int argc, char **argv)
     options = (struct mu_options){
         .program = "muster resolver",
         .usage = "SCHEME [OPTION...]",
-        .about = "Says whom addresses SCHEME:REST stand for; SCHEME is role, task or near.",
+        .about = "Says which agents addresses SCHEME:REST mean; SCHEME is role, task or near.",
         .table = table,
         .count = sizeof table / sizeof table[0]};
     mu_result parsed = mu_options_parse(&options, argc, argv);

@@ -79,7 +79,7 @@ static mu_result restart_check(const struct run *r, unsigned index, struct mu_fa
         return returns;
     }
     return refuse(r, c->mark, fault, c->who,
-                  "in lock step the clock waits for who is killed, so that this time never comes: "
+                  "in lock step the clock waits for what is killed, so that this time never comes: "
                   "expected a kill of it before, with the same `at` or `when`, or wall_s beside "
                   "the kill");
 }
@@ -137,7 +137,7 @@ static mu_result piece_check(const struct run *r, unsigned index, struct mu_faul
     }
     if (lockstep && c->kind == CHAOS_CONTINUE) {
         return refuse(r, c->mark, fault, c->who,
-                      "in lock step the clock waits for who is stopped, so that this time never "
+                      "in lock step the clock waits for what is stopped, so that this time never "
                       "comes: expected wall_s beside the stop");
     }
     if (c->kind == CHAOS_RESTART) {

@@ -188,7 +188,7 @@ static void targets_find(struct run *r, struct order *o)
         at += len + (at[len] == ',');
     }
     if (o->targets_count == 0 && o->failures == 0) {
-        mu_text_format(&o->answer, "%s: nobody\n", o->what.who);
+        mu_text_format(&o->answer, "%s: no agent\n", o->what.who);
         o->failures++;
     }
 }

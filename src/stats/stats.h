@@ -79,7 +79,7 @@ double explored_share_of(const struct explored *e, size_t robot);
 
 /* --- goal.c ----------------------------------------------------------------------------------- */
 
-/* Goals that rules set, out of their minds' diaries (docs/observing.md). */
+/* Goals that rules set, out of their minds' diaries (docs/reference/frame.md). */
 
 /**
  * Finds the last fact (goal WORD X Y) that came in a step: a place in mm.

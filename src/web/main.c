@@ -47,7 +47,7 @@ static mu_result settings_parse(struct settings *set, int argc, char **argv)
                    .letter = 'p', .fallback = "8642", .environment = "MUSTER_WEB_PORT",
                    .max = 65535),
         MU_FLAG("open", set->open, "open the page in a browser: $BROWSER, else by xdg-open"),
-        MU_FLAG("read-only", set->read_only, "nobody acts from this page, whatever token he has"),
+        MU_FLAG("read-only", set->read_only, "the page only shows, also to a user with the token"),
         MU_OPTION_VERBOSE(set->verbose),
     };
     static struct mu_options options;
@@ -56,7 +56,7 @@ static mu_result settings_parse(struct settings *set, int argc, char **argv)
         .usage = "[OPTION...] [RECORDING]",
         .about = "Shows a run in a browser on this machine: the world, robots, mail, statistics, "
                  "a console for each robot.  Prints the page's address, with the token that "
-                 "whoever acts needs.  A recording is shown with a slider over its time.",
+                 "is needed to act.  A recording is shown with a slider over its time.",
         .table = table,
         .count = sizeof table / sizeof table[0]};
     set->network.domain = -1;

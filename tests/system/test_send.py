@@ -332,7 +332,7 @@ def test_each_of_many_has_a_line_of_its_own():
         check_equal(muster("do", "ann,bob", "(facts)", "--wait", 0.5, "--domain", domain).returncode,
                     7, "the smaller code")
         done = muster("do", "special", "(facts)", "--domain", domain)
-        check_equal((done.returncode, done.stdout, "nobody is there" in done.stderr), (7, "", True),
+        check_equal((done.returncode, done.stdout, "no such agent is there" in done.stderr), (7, "", True),
                     done.stderr)
 
 

@@ -130,7 +130,7 @@ static void outlet_count_readers(struct outlet *bag, uint32_t readers, struct br
     bag->readers = readers;
 }
 
-/* To ask DDS who the readers are costs much more than to ask how many.  @return whether none has
+/* To ask DDS for the readers costs much more than to ask how many.  @return whether none has
  * come or gone since they were looked at, and nothing is missing */
 static bool outlet_rests(const struct outlet *bag)
 {

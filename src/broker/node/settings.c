@@ -73,7 +73,7 @@ int settings_read(struct settings *s, const char **name, int argc, char **argv)
                 "hand a process mail at most this often; 0: at once", .fallback = "0",
                 .environment = "MUSTER_DELIVERY_INTERVAL", .max = DISPATCH_INTERVAL_MAX_MS),
         MU_STRING("policy", "FILE", s->policy,
-                  "who may direct whom (default: observer and operator all)",
+                  "which agent may direct which (default: observer and operator all)",
                   .environment = "MUSTER_POLICY"),
         MU_INTEGER("names", "N", s->names,
                    "names that it knows at a time; else the most, MU_AGENTS_MAX",

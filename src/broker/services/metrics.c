@@ -14,13 +14,13 @@ static const struct {
     const char *name, *job;
 } parts[PARTS_END] = {
     [0] = {"broker", "all of them"},
-    [PART_NAMES] = {"registrar", "who bears which name, in which process, in which state"},
+    [PART_NAMES] = {"registrar", "names: which process has them, and in which state"},
     [PART_MAIL] = {"postmaster", "a mail's way into boxes, and what becomes of it"},
     [PART_DELIVERY] = {"courier", "what is ready for a process, as one delivery"},
-    [PART_GROUPS] = {"groups", "who is a member of what"},
+    [PART_GROUPS] = {"groups", "which agents are members of which group"},
     [PART_SERVICES] = {"services", "the yellow pages"},
     [PART_TRUST] = {"trust", "whose directives are carried out"},
-    [PART_JOURNAL] = {"journal", "what must be on disk before anybody is told"},
+    [PART_JOURNAL] = {"journal", "what must be on disk before any process is told"},
     [PART_FEDERATION] = {"liaison", "the other brokers"},
 };
 
@@ -50,7 +50,7 @@ static const struct metric counters[] = {
      AT(snapshots.count)},
     {PART_NAMES, "capsules-kept", "of them, ever", AT(snapshots.kept)},
     {PART_NAMES, "capsules-refused", "of them, whose agents stayed", AT(snapshots.refused)},
-    {PART_NAMES, "capsules-restored", "of them, given to a host because nobody had the agent",
+    {PART_NAMES, "capsules-restored", "of them, given to a host because no process had the agent",
      AT(snapshots.restored)},
     {PART_NAMES, "changes", "changes of the white pages", AT(registry.changes.version)},
 
@@ -61,7 +61,7 @@ static const struct metric counters[] = {
     {PART_MAIL, "dropped", "of them, taken out of a full box for others", AT(counters.dropped)},
     {PART_MAIL, "box-full", "of them, refused for want of room", AT(counters.box_full)},
     {PART_MAIL, "over-share", "of them, refused for their sender's share", AT(counters.over_share)},
-    {PART_MAIL, "unknown-name", "of them, to a name that nobody ever had",
+    {PART_MAIL, "unknown-name", "of them, to a name that no agent ever had",
      AT(counters.unknown_name)},
     {PART_MAIL, "refused", "of them, directives that the policy does not allow",
      AT(counters.refused)},

@@ -38,7 +38,7 @@ enum doctor_step {
 void doctor_network(enum doctor_step step, const char *interface, const char *from, int domain,
                     struct doctor_finding *f);
 
-/** @return how many brokers on this machine have a port of a domain, whoever's they are */
+/** @return how many brokers on this machine have a port of a domain, of any user */
 unsigned doctor_brokers(int domain);
 
 /** Reads the number behind a word of a file of the system, or the first.  @return whether there is

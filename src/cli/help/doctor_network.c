@@ -24,7 +24,7 @@
 /* Participants of a domain have an even port each, those from FIRST on are shared out. */
 enum { PARTICIPANT_FIRST = 10, PARTICIPANTS = 109, PARTICIPANTS_MANY = 90, INDICES = 120 };
 
-static bool port_used[65536]; /* by UDP sockets of this machine, whoever's */
+static bool port_used[65536]; /* by UDP sockets of this machine, of any user */
 
 static void ports_read(void)
 {

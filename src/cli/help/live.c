@@ -11,7 +11,7 @@
 
 static const double PATIENCE_S = 0.5;
 
-/* Who lives in a domain, by kind. */
+/* What lives in a domain, by kind. */
 static void domain_print(int domain, const char *name)
 {
     struct operator_options join = {.only_reads = true};
@@ -58,7 +58,7 @@ int live_print(void)
                        "  muster new mine             an experiment and rules to change\n"
                        "  muster doctor               what may keep muster from running here\n"
                      : "Try:\n"
-                       "  muster ps                   who is there\n"
+                       "  muster ps                   the agents\n"
                        "  muster top                  what they do\n"
                        "  muster web --open           the same in a browser\n"
                        "  muster console NAME         what an agent thinks\n",

@@ -45,9 +45,9 @@ const struct verb verbs[] = {
     {"move", AGENTS, "NAME HOST", "an agent to another host", "agent host"},
     {"clone", AGENTS, "NAME NEW [HOST]", "a copy of an agent", "agent - host"},
     {"dispose", AGENTS, "TARGETS", "end agents for good", "target"},
-    {"group", AGENTS, "list|join G|...", "groups: who is in them, join, leave, send",
+    {"group", AGENTS, "list|join G|...", "groups: their members, join, leave, send",
      "list|members|create|join|leave|send group"},
-    {"service", AGENTS, "list|find S|...", "the yellow pages: who offers what",
+    {"service", AGENTS, "list|find S|...", "the yellow pages: which agent offers what",
      "list|find|add|remove service"},
 
     {"world", WORLD, "check|place|...",

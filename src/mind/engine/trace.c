@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What goes on in a mind, line by line, for recordings: docs/observing.md has the lines. */
+/* What goes on in a mind, line by line, for recordings: docs/reference/frame.md has the lines. */
 #include "mind/engine/engine.h"
 
 #include <math.h>

@@ -41,7 +41,7 @@ void builtins_send(void *env, DATA_OBJECT *out)
         return;
     }
     if (first.type == RVOID) { /* the value of a function without one */
-        value_refuse(env, "send", "somebody to send to");
+        value_refuse(env, "send", "an agent to send to");
         return;
     }
     bool instance = first.type == INSTANCE_NAME || first.type == INSTANCE_ADDRESS;

@@ -132,7 +132,7 @@
       "handler reply-by (a time of the run in s); nil when the sender gave none") \
     X("you-do", 'u', send_you_do, "2*u", \
       "(you-do who command field...)", \
-      "makes who (a name, all, robots, special, a group, or a multifield of names) evaluate " \
+      "makes agents (a name, all, robots, special, a group, or a multifield of names) evaluate " \
       "(command field...), if the trust policy lets it; TRUE or FALSE") \
     X("send-layer", 'u', speak_send_layer, "3*uik", \
       "(send-layer layer performative to field...)", \

@@ -57,7 +57,7 @@ export function createActor() {
     },
     /** Why this page may not act; "": it may. */
     get denied() {
-      if (readOnly) return 'This page was started with --read-only: it shows, and nobody acts.';
+      if (readOnly) return 'This page was started with --read-only: it only shows.';
       return token ? '' : 'To act, open the address that muster web has printed: it has the token.';
     },
     /** Sends lines of CLIPS.  @return {ask, failed}: failed is a promise of why not, or "" */

@@ -114,7 +114,7 @@
 ; expect: FALSE
 ; expect: refused
 ; line: (send (undeffacts *))
-; expect: [MUSTER1] Function send expected somebody to send to
+; expect: [MUSTER1] Function send expected an agent to send to
 ; expect: FALSE
 ; expect: refused
 

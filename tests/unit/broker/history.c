@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Random histories of a broker, its disk and its clients against what docs/broker.md promises.
+ * Random histories of a broker, its disk and its clients against what docs/mail.md promises.
  *
  *     MUSTER_SEED=N       that history alone; MUSTER_TELL=1 tells it while it goes on
  *     MUSTER_SECONDS=N    so long, with other seeds than by default; `make soak-model`

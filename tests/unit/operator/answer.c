@@ -15,7 +15,7 @@ static void test_a_refusal_says_by_whom(void)
 static void test_who_is_unknown_is_looked_for_where_he_would_be(void)
 {
     enum mu_outcome unknown = MU_MAIL_UNKNOWN_NAME;
-    READS(answer_outcome_advice(unknown, "red"), "; muster ps lists who is there");
+    READS(answer_outcome_advice(unknown, "red"), "; muster ps lists all agents");
     READS(answer_outcome_advice(unknown, "group:scouts"), "; muster group list lists groups");
     CU_ASSERT_PTR_NOT_NULL(strstr(answer_outcome_advice(unknown, "role:scout"), "resolver"));
 }
