@@ -199,6 +199,8 @@ def check_all():
         bad(path, n, f"one of {len(said)} comments with who, nobody or he (at most {words.PERSONS_MAX}): {text}")
     for path, n, text in words.persons_of_pages(ROOT):
         bad(path, n, f"who, nobody and he are people: name the process, agent or program: {text}")
+    for path, n, count, text in words.long_sentences(ROOT):
+        bad(path, n, f"{count} words in a sentence (at most {words.SENTENCE_WORDS_MAX}): {text}")
     check_states()
     check_calls()
 

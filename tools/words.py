@@ -15,6 +15,9 @@ PERSON = re.compile(r"\b(?:[Ww]ho(?:m|ever)?|[Ss]ome(?:body|one)|[Nn]obody|[Hh](
 PERSONS_MAX = 20
 # Of people it may be said.
 PEOPLE = re.compile(r"\b(?:[Pp]ersons?|[Pp]eople|[Uu]sers?|[Tt]eachers?|[Ss]tudents?) (?:may )?who\b|\*Who\*")
+# The first line of pages that tools/make-reference prints.
+MADE = "<!-- Made by "
+SENTENCE_WORDS_MAX = 25
 NAME = re.compile(r"(?:(?:->|\.)\s*)?[A-Za-z_]\w*")
 
 
@@ -100,16 +103,45 @@ def persons(root):
 
 
 def pages(root):
-    """@yield (path, line, text) of the pages that people write, without code"""
-    for path in sorted([*root.glob("*.md"), *(root / "docs").rglob("*.md")]):
+    """@yield (path, line, text) of all pages, without code"""
+    for path in sorted([*root.glob("*.md"), *(root / "docs").rglob("*.md"), *(root / "docs/man").glob("*.1")]):
         fenced = False
         for n, line in enumerate(path.read_text().splitlines(), 1):
             fence = line.lstrip().startswith("```")
             fenced = fenced != fence
-            if not fenced and not fence and path.parent.name != "reference":
+            if not fenced and not fence:
                 yield path, n, re.sub(r"`[^`]*`", "", line)
 
 
 def persons_of_pages(root):
     """@return (path, line, text) of pages in which anything but people is called who, nobody or he"""
     return [(path, n, text.strip()) for path, n, text in pages(root) if PERSON.search(PEOPLE.sub("", text))]
+
+def blocks(path):
+    """@yield (line, text) of the paragraphs, list items and cells of a page that people write, without code"""
+    text = re.sub(r"^ *```.*?^ *```|<!--.*?-->", lambda m: "\n" * m[0].count("\n"), path.read_text(), flags=re.M | re.S)
+    first, parts = 0, []
+    for n, line in enumerate([*text.splitlines(), ""], 1):
+        line = line.strip()
+        item = re.match(r"(?:[-*+]|\d+\.) ", line)
+        if parts and (not line or item or line[0] in "|#"):
+            yield first, " ".join(parts)
+            parts = []
+        if line.startswith("|"):
+            yield from ((n, cell) for cell in re.split(r"(?<!\\)\|", line))
+        elif line and not line.startswith("#"):
+            first = first if parts else n
+            parts.append(line[item.end():] if item else line)
+
+
+def long_sentences(root):
+    """@yield (path, line, words, text) of sentences, and main clauses between semicolons or colons, that are too long"""
+    for path in sorted([*root.glob("*.md"), *(root / "docs").rglob("*.md")]):
+        if MADE in path.read_text():
+            continue
+        for n, text in blocks(path):
+            plain = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", re.sub(r"`[^`]*`", "code", text))
+            for sentence in re.split(r"(?<=[.?!:;])[*)\"]*\s+", plain):
+                count = len(re.findall(r"\w\S*", sentence))
+                if count > SENTENCE_WORDS_MAX:
+                    yield path, n, count, sentence

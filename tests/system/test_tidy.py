@@ -129,6 +129,29 @@ def test_words_of_yesterday_are_found_in_names_and_comments():
                             ("src/mind/diary.c:7", "trip")], said)
 
 
+def test_a_long_sentence_and_a_process_that_is_a_person_fail():
+    words = "a broker " * 12
+    page = f"""
+{words}and
+
+Mail waits for {words}
+until, in `code that does not count`, one comes.
+
+| a cell: {words} |
+| {words} too | here |
+
+```
+{words}is code
+```
+A broker who waits.
+"""
+    with folder() as out:
+        code, said = tidied(out, {"core/low.c": "void mu_low(void)\n{\n}\n", "../docs/page.md": page})
+        check_equal(code, 1, said)
+        found = re.findall(r"^docs/page.md:(\d+): (\d+ words|who)", said.replace("src/../", ""), re.M)
+        check_equal(found, [("14", "who"), ("5", "32 words")], said)
+
+
 def test_names_of_the_wire_stay():
     text = "int a_go(const muster_Up *up);\nint a_go(const muster_Up *up)\n{\n    return up->trips._length;\n}\n"
     with folder() as out:

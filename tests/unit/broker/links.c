@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Random histories of three brokers whose links are cut and lose what crosses them, while agents
- * move, against what docs/federation.md promises as long as the brokers live: each mail arrives, once,
- * and nobody is told `delivered` before.  Some agents hear multicasts, from some time on.
+ * move, against what docs/federation.md promises as long as the brokers live: each mail arrives,
+ * once, and nobody is told `delivered` before.  Some agents hear multicasts, from some time on.
  *
  *     MUSTER_SEED=N       that history alone; MUSTER_TELL=1 tells it while it goes on
  *     MUSTER_SECONDS=N    so long, with other seeds than by default
