@@ -85,7 +85,7 @@ static const struct yaml_key schema_command[] = {
 };
 
 static const struct yaml_key schema_expectation[] = {
-    {"near", PAIR(experiment_expectation, near_robot, "two robots, such as [blue, red]")},
+    {"near", PAIR(experiment_expectation, near_robot, "robots, such as [blue, red]")},
     {"within", AT(REAL, experiment_expectation, within_m)},
     {"from", AT(REAL, experiment_expectation, from_s)},
     {"to", AT(REAL, experiment_expectation, to_s), .absent = EXPERIMENT_DURATION_MAX_S},

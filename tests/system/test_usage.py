@@ -110,7 +110,7 @@ def test_who_is_not_there_is_named():
                 (("lookup", "nobody"), 7, "no agent named nobody; muster ps lists them"),
                 (("console", "nobody", "-c", "(facts)"), 7, "nobody"),
                 (("group", "members", "nothing"), 7, "no group named nothing; muster group list"),
-                (("send", "nobody", "hello"), 7, "to nobody: unknown-name; muster ps lists who"),
+                (("send", "nobody", "hello"), 7, "to nobody: unknown-name; muster ps lists all agents"),
                 (("do", "nobody", "(facts)"), 7, "to nobody: unknown-name"),
                 (("service", "remove", "cleaning"), 7, "not-offered; it does not offer that; muster service list"),
                 (("group", "leave", "scouts"), 7, "unknown-group; there is no such group; muster group list")):
