@@ -105,9 +105,10 @@ def chapters():
             yield pytest.param(chapter, id=f"{page.relative_to(ROOT).with_suffix('')}-{n}")
 
 
-def shows(output, line):
-    """Is a line of the page in the output?  `...` stands for anything."""
-    return re.search("^" + ".*".join(re.escape(part) for part in line.split("...")) + "$", output, re.M)
+def shows(output, line, start):
+    """Where a line of the page ends in the output, from there on, or None.  `...` stands for anything."""
+    found = re.compile("^" + ".*".join(re.escape(part) for part in line.split("...")) + "$", re.M).search(output, start)
+    return found and found.end()
 
 
 @pytest.mark.parametrize("chapter", chapters())
@@ -127,8 +128,10 @@ def test_commands_of_the_pages(chapter):
             check_equal(code, 0, f"this block:\n{block}printed\n{output}")
             for report in re.findall(r"--out (\S+)", block):
                 check((here / report).exists(), f"{report}, of this block:\n{block}")
+            at = 0  # lines stand in the order in which the page shows them
             for line in (shown or "").splitlines():
-                check(line == "..." or shows(output, line), f"{line}\nis not in what\n{block}printed:\n{output}")
+                at = at if line == "..." else shows(output, line, at)
+                check(at is not None, f"{line}\nis not there, or earlier, in what\n{block}printed:\n{output}")
 
 
 def test_every_command_of_the_pages_is_run_or_says_why_not():
