@@ -7,7 +7,7 @@ import signal
 import subprocess
 import sys
 
-from support import (BUILD, ROOT, Processes, Skip, broker_start, check, check_equal, folder,
+from support import (BUILD, MUSTER, ROOT, Processes, Skip, broker_start, check, check_equal, folder,
                      members, muster, new_domain, program, wait_for)
 
 TEXT_BYTES_MAX = 96 * 1024
@@ -299,6 +299,28 @@ def test_the_example_of_kinds():
                 (("thrifty", 5, "cfp"), "5 thrifty talk not-understood: cfp"),
                 (("thrifty", 1, "dispose"), "1 thrifty talk refuse: dispose"),
                 (("shop", 1, "clone"), "1 shop talk refuse: clone no-mobility"),
+                (("shop", 2, "state"), "2 shop talk inform: state running"),
+                (("shop", 1, "dispose"), "1 shop talk agree: dispose")):
+            check_equal(ask(domain, *words), answer, f"the answer to {words}")
+        wait_for(lambda: members(domain)["shop"]["state"] == "absent", 5, "a shop that is gone")
+        check_equal(members(domain)["thrifty"]["state"], "running", "the other one")
+
+
+def test_the_same_kinds_in_rules():
+    """The rule files beside the example answer as the example does."""
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        for name in ("shop", "thrifty"):
+            processes.start(MUSTER, "agent", name, "--rules", ROOT / f"examples/kinds_{name}.clp", "--domain", domain)
+        wait_for(lambda: {"shop", "thrifty"} <= set(members(domain)), 10, "both shops")
+        for words, answer in (
+                (("shop", 4, "cfp"), "4 shop talk propose: price 10"),
+                (("thrifty", 4, "cfp", "20"), "4 thrifty talk propose: price 7"),
+                (("thrifty", 4, "cfp"), "4 thrifty talk propose: price 10"),
+                (("thrifty", 4, "give-back"), "4 thrifty talk refuse: give-back"),
+                (("thrifty", 5, "cfp"), "5 thrifty talk not-understood: cfp"),
+                (("thrifty", 1, "dispose"), "1 thrifty talk refuse: dispose"),
                 (("shop", 2, "state"), "2 shop talk inform: state running"),
                 (("shop", 1, "dispose"), "1 shop talk agree: dispose")):
             check_equal(ask(domain, *words), answer, f"the answer to {words}")

@@ -5,6 +5,8 @@ import json
 import os
 import signal
 
+import pytest
+
 from support import (BUILD, MUSTER, ROOT, Processes, broker_start, check, check_equal,
                      experiment_run, folder, members, muster, new_domain, program, wait_for)
 
@@ -178,9 +180,14 @@ def test_a_resolver_that_sleeps():
         check("hello" not in said(0), "what was refused does not arrive later")
 
 
-def test_a_resolver_of_ones_own():
+@pytest.mark.parametrize("language", ("c", "rules"))
+def test_a_resolver_of_ones_own(language):
     with scouts("battery=0.2", "battery=0.8") as (processes, domain, said):
-        resolver_start(processes, domain, BUILD / "examples" / "battery")
+        if language == "c":
+            resolver_start(processes, domain, BUILD / "examples" / "battery")
+        else:
+            processes.start(MUSTER, "agent", "resolver.battery", "--rules", ROOT / "examples/battery.clp",
+                            "--domain", domain)
         resolves(domain, "battery:low", said, 0)
         resolves(domain, "battery:1", said, 1)
         check_equal(send(domain, "battery:low", "home"), 0, "mail to who has little left")
