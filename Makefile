@@ -275,7 +275,7 @@ $(O)/src/run/run_start.o $(O)/src/run/run_report.o: override CPPFLAGS += -DMU_CL
 COLD := $(patsubst %,$(O)/src/%.o,stats/approach stats/explored stats/goal stats/stats \
   runtime/watch runtime/watch_states runtime/watch_sample runtime/resolver runtime/directory_changes runtime/transfers \
   runtime/probes runtime/probes_look runtime/kind_base runtime/life runtime/link runtime/choice \
-  bus/beacons runtime/process_states runtime/agent_life runtime/roll)
+  bus/beacons runtime/process runtime/process_states runtime/agent_life runtime/roll)
 ifeq ($(BUILD),release)
 $(COLD): CFLAGS += -Os
 endif

@@ -150,8 +150,11 @@ struct mu_handlers {
     void (*on_service)(void *self, mu_agent *a, const struct mu_service *service, bool came);
 };
 
+/** Domain 0, whatever the environment says. */
+#define MU_DOMAIN_ZERO (-1)
+
 struct mu_process_options {
-    int domain;            /* DDS domain */
+    int domain;            /* DDS domain; 0: that of MUSTER_DOMAIN, where that is set */
     const char *interface; /* address of the interface; NULL: 127.0.0.1 */
     const char *peer;      /* hosts of brokers and simulator, joined by commas; NULL: this one */
     const char *name;      /* for DDS tools; NULL: the program's */
@@ -170,8 +173,8 @@ struct mu_process_options {
     uint32_t agents;       /* capacity; 0: MU_LOCAL_AGENTS; MU_LOCAL_AGENTS_MAX at most */
     uint32_t outbox;       /* mails of an agent that may wait for an answer; 0: MU_OUTBOX_MAX;
                               MU_OUTBOX_MOST at most */
-    const char *broker;    /* name of the broker to begin with, which is waited for; NULL: the
-                              first one of this host, else of another */
+    const char *broker;    /* name of the broker to begin with, which is waited for; NULL: that
+                              of MUSTER_BROKER, else the first one of this host, else of another */
 };
 
 /**
@@ -245,6 +248,7 @@ const char *mu_process_broker(const mu_process *p);
  *
  * An agent with body starts in standby, others are running.
  *
+ * @param name         NULL: that of MUSTER_AGENT, by which `muster run` names a controller's agent
  * @param handlers     copied; NULL: none
  * @param last_number  the last mail number that an earlier life of this agent has dealt with: mail
  *                     up to it is dropped when it comes again.  0 when it keeps no record.

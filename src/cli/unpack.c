@@ -187,6 +187,18 @@ static mu_result file_write(const struct unpacked *u, char *path, const void *by
     return good ? MU_OK : write_fault("write below", u->folder, errno);
 }
 
+mu_result unpack_program(struct unpacked *u, const char *path)
+{
+    char bytes[PATH_MAX];
+    struct mu_text link = mu_text_in(bytes, sizeof bytes);
+    mu_text_format(&link, "%s/files%s", u->folder, path);
+    if (path[0] != '/' || !has_good_parts(path + 1) || link.cut) {
+        return MU_MALFORMED;
+    }
+    bool linked = mu_path_make_folders(bytes, 0700) && symlink(path, bytes) == 0;
+    return linked ? MU_OK : write_fault("write below", u->folder, errno);
+}
+
 static mu_result name_fault(const char *file, const char *name)
 {
     char shown[MU_TEXT_SHOWN];

@@ -38,6 +38,14 @@ struct unpacked {
 MU_MUST_USE mu_result unpack_open(struct unpacked *u, struct mcap_reader *reader, const char *file,
                                   bool keeps);
 
+/**
+ * Lets a program that is not in the recording stand where the run had it.
+ *
+ * @param path  absolute
+ * @return MU_OK; MU_MALFORMED: it is no such path; MU_FAULT_OS, explained
+ */
+MU_MUST_USE mu_result unpack_program(struct unpacked *u, const char *path);
+
 /** Removes the folder, unless it is kept. */
 void unpack_close(struct unpacked *u);
 

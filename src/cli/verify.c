@@ -30,11 +30,13 @@ enum { WORDS_MAX = 16 + EXPERIMENT_OVERRIDES_MAX, STOP_PATIENCE_MS = 5000 };
 static const struct timespec ROUND = {.tv_nsec = 10000000};
 
 static struct {
-    bool json, keep, verbose;
+    bool json, keep, programs, verbose;
 } chosen;
 
 static struct mu_option option_table[] = {
     MU_FLAG("keep", chosen.keep, "leave the folder of the second run, and say where it is"),
+    MU_FLAG("programs", chosen.programs,
+            "start the programs that the recording names as controllers"),
     MU_FLAG("verbose", chosen.verbose, "show what the second run says", .letter = 'v'),
     MU_FLAG("json", chosen.json, "say what came out as one line of JSON")};
 
@@ -46,6 +48,7 @@ struct verify {
     char out[UNPACK_FOLDER_MAX + 8]; /* what that leaves */
     const char *argv[WORDS_MAX];     /* its command; NULL behind the last */
     size_t argc;
+    bool others; /* a controller is another program than that of the recorded run */
 };
 
 static const char *note(const struct verify *v, const char *key)
@@ -182,6 +185,7 @@ static void result_json(struct verify *v, const struct difference *d)
     mu_json_bool(&j, "equal", !d);
     mu_json_uint(&j, "steps", v->before.steps_count);
     mu_json_bool(&j, "changed", is_changed(v));
+    mu_json_bool(&j, "same_controllers", !v->others);
     mu_json_bool(&j, "whole", mcap_reader_whole(v->before.reader));
     mu_json_string(&j, "ended", ends[recording_end(&v->before)].word);
     mu_json_string(&j, "hash", hash_of(&v->after));
@@ -321,6 +325,52 @@ static int recording_unpack(struct verify *v)
     return mu_exit_for(done);
 }
 
+/* Compares a controller with that of the recorded run, and lets the second run find it.
+ * @param said  its hash and its path */
+static int controller_find(struct verify *v, const char *said)
+{
+    char *path;
+    uint64_t hash = strtoull(said, &path, 16);
+    path += *path == ' ';
+    if (!chosen.programs) {
+        fprintf(stderr,
+                "%s: the run had a controller of its user's, %s; a recording from others could "
+                "name any program: --programs starts it\n",
+                v->file, plain(path));
+        return MU_EXIT_USAGE;
+    }
+    if (access(path, X_OK) != 0) {
+        fprintf(stderr, "%s: the controller %s is not here: %s\n", v->file, plain(path),
+                strerror(errno));
+        return MU_EXIT_FILE;
+    }
+    if (run_file_hash(path) != hash) {
+        v->others = true;
+        fprintf(stderr, "muster verify: the controller %s is another program than in the run\n",
+                plain(path));
+    }
+    mu_result linked = unpack_program(&v->files, path);
+    if (linked == MU_MALFORMED) {
+        fprintf(stderr, "%s: expected the path of a controller, not '%s'\n", v->file, plain(path));
+        return MU_EXIT_FILE;
+    }
+    return mu_exit_for(linked);
+}
+
+static int controllers_find(struct verify *v)
+{
+    int code = MU_EXIT_DONE;
+    for (unsigned i = 1; code == MU_EXIT_DONE; i++) {
+        char key[32];
+        snprintf(key, sizeof key, "controller.%u", i);
+        if (!note(v, key)[0]) {
+            break;
+        }
+        code = controller_find(v, note(v, key));
+    }
+    return code;
+}
+
 int verify_verb(int argc, char **argv)
 {
     static struct mu_options o = {.program = "muster verify",
@@ -340,6 +390,7 @@ int verify_verb(int argc, char **argv)
     v->file = o.words[0];
     int code = recording_read(v);
     code = code == MU_EXIT_DONE ? recording_unpack(v) : code;
+    code = code == MU_EXIT_DONE ? controllers_find(v) : code;
     code = code == MU_EXIT_DONE ? run_again(v) : code;
     code = code == MU_EXIT_DONE ? compare(v) : code;
     if (v->files.folder[0] && chosen.keep) {

@@ -16,6 +16,7 @@ enum {
     EXPERIMENT_COMMANDS_MAX = 1024,
     EXPERIMENT_EXPECTATIONS_MAX = 64,
     EXPERIMENT_GLOBALS_MAX = 64,
+    EXPERIMENT_ARGS_MAX = 64,
     EXPERIMENT_GROUPS_MAX = 64, /* of a robot, and so with services */
     EXPERIMENT_OVERRIDES_MAX = 64,
     EXPERIMENT_PROCESSES_MAX = 64, /* that many robots of one entry are divided among */
@@ -52,6 +53,13 @@ struct experiment_mark {
     int line, column;
 };
 
+/* A program of the user's that controls agents. */
+struct experiment_controller {
+    char *program; /* absolute path; in the file, relative to it; NULL: rules control them */
+    char **args;
+    unsigned args_count;
+};
+
 /* A robot, or an agent without a body. */
 struct experiment_robot {
     char *name;
@@ -60,7 +68,8 @@ struct experiment_robot {
     struct experiment_pose *pose; /* NULL: the world file's, or a random place */
     char *place;                  /* "random": a free one, by the seed; NULL: none of that */
     unsigned count, processes;    /* as written; loaded, each robot stands for itself */
-    char *rules;                  /* absolute path; in the file, relative to it */
+    char *rules; /* absolute path; in the file, relative to it; NULL: it has a controller */
+    struct experiment_controller controller;
     char *host;                   /* one of hosts, in which it begins; NULL: a process of its own */
     char *broker;                 /* one of brokers, in free running; NULL: the first */
     struct mu_fault broker_fault; /* what is wrong with it in lock step, and where */

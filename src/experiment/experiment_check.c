@@ -331,6 +331,33 @@ static mu_result check_death(struct experiment_source *s, struct experiment_robo
     return check_checkpoint(s, &robot->checkpoint_s, checkpoint);
 }
 
+/* What controls it: rules, or a program. */
+static mu_result check_mind(struct experiment_source *s, struct experiment_robot *robot, int node)
+{
+    int rules = yaml_tree_child(s->tree, node, "rules");
+    int controller = yaml_tree_child(s->tree, node, "controller");
+    char **program = &robot->controller.program;
+    if (!robot->rules == !*program) {
+        return experiment_fault(s, &robot->rules, *program ? controller : node,
+                                "expected either rules: FILE, or controller: {program: FILE}");
+    }
+    if (!*program) {
+        return experiment_check_file(s, &robot->rules, rules, "rules");
+    }
+    if (robot->globals_count > 0) {
+        return experiment_fault(s, NULL, yaml_tree_child(s->tree, node, "globals"),
+                                "expected args of the controller: globals are for rules");
+    }
+    if (robot->host || robot->standby || robot->broker) {
+        return experiment_fault(s, NULL, controller,
+                                "expected no host, broker or standby beside a controller");
+    }
+    /* A recording has no programs. */
+    mu_result checked =
+        experiment_check_program(s, program, yaml_tree_child(s->tree, controller, "program"));
+    return experiment_is_recorded() ? MU_OK : checked;
+}
+
 static mu_result check_robot(struct experiment_source *s, size_t index)
 {
     struct experiment_robot *robot = &s->experiment->robots[index];
@@ -357,8 +384,7 @@ static mu_result check_robot(struct experiment_source *s, size_t index)
     MU_TRY(check_broker(s, robot, node));
     MU_TRY(check_death(s, robot, node));
     MU_TRY(check_host(s, robot, node));
-    return experiment_check_file(s, &robot->rules, yaml_tree_child(s->tree, node, "rules"),
-                                 "rules");
+    return check_mind(s, robot, node);
 }
 
 static bool check_target(const struct experiment *e, const char *target)

@@ -13,6 +13,13 @@ static unsigned crew_robots(const struct experiment_robot *robot)
     return robot->count > 0 ? robot->count : 1;
 }
 
+/* In how many processes: of a controller each has one, unless the file says otherwise. */
+static unsigned crew_processes(const struct experiment_robot *robot)
+{
+    unsigned usual = robot->controller.program ? crew_robots(robot) : 1;
+    return robot->processes > 0 ? robot->processes : usual;
+}
+
 static mu_result crew_check(struct experiment_source *s, size_t index)
 {
     const struct experiment_robot *robot = &s->experiment->robots[index];
@@ -52,7 +59,7 @@ static mu_result crew_count(struct experiment_source *s, size_t *robots, size_t 
         size_t *members = has_body ? robots : agents;
         MU_TRY(crew_check(s, i));
         *members += crew_robots(&e->robots[i]);
-        *crews += e->robots[i].processes > 0 ? e->robots[i].processes : 1;
+        *crews += crew_processes(&e->robots[i]);
         if (*members > MU_ROBOTS_MAX) {
             return experiment_fault(s, NULL, experiment_member(s, i),
                                     "expected at most %d %s in all entries together", MU_ROBOTS_MAX,
@@ -66,7 +73,7 @@ static mu_result crew_count(struct experiment_source *s, size_t *robots, size_t 
 static void crew_divide(struct experiment *e, const struct experiment_robot *entry, unsigned robot)
 {
     unsigned count = crew_robots(entry);
-    unsigned processes = entry->processes > 0 ? entry->processes : 1;
+    unsigned processes = crew_processes(entry);
     for (unsigned p = 0; p < processes; p++) {
         unsigned begin = count * p / processes;
         e->crews[e->crews_count++] =

@@ -4,7 +4,6 @@
 #include "experiment/experiment_source.h"
 
 #include <string.h>
-#include <unistd.h>
 
 /* @return whether a part of the run, or a monitor before this one, has the name */
 static bool name_is_taken(const struct experiment *e, size_t index)
@@ -34,19 +33,6 @@ static mu_result name_check(struct experiment_source *s, size_t index, int node)
                : MU_OK;
 }
 
-/* A recording has no programs, and a recorded run that is repeated starts none. */
-static mu_result program_check(struct experiment_source *s, struct experiment_monitor *m, int node)
-{
-    if (experiment_is_recorded()) {
-        return MU_OK;
-    }
-    MU_TRY(experiment_check_file(s, &m->program, node, "program"));
-    return access(m->program, X_OK) == 0
-               ? MU_OK
-               : experiment_fault(s, NULL, node, "expected a program that may be started, not '%s'",
-                                  m->program);
-}
-
 mu_result experiment_check_monitor(struct experiment_source *s, size_t index)
 {
     struct experiment_monitor *m = &s->experiment->monitors[index];
@@ -58,7 +44,12 @@ mu_result experiment_check_monitor(struct experiment_source *s, size_t index)
     if (checked != MU_OK) {
         return checked;
     }
-    return m->program ? program_check(s, m, yaml_tree_child(s->tree, node, "program"))
-                      : experiment_check_file(s, &m->rules, yaml_tree_child(s->tree, node, "rules"),
-                                              "rules");
+    /* A recording has no programs, and a recorded run that is repeated starts no monitor. */
+    if (m->program && experiment_is_recorded()) {
+        return MU_OK;
+    }
+    return m->program
+               ? experiment_check_program(s, &m->program, yaml_tree_child(s->tree, node, "program"))
+               : experiment_check_file(s, &m->rules, yaml_tree_child(s->tree, node, "rules"),
+                                       "rules");
 }

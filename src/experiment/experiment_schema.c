@@ -31,6 +31,12 @@ static const char *const schema_on_crash[] = {
 #define ON_CRASH(structure) \
     AT(WORD, structure, on_crash), .words = schema_on_crash, .set = true, .what = "stop or restart"
 
+static const struct yaml_key schema_controller[] = {
+    {"program", AT(TEXT, experiment_controller, program), .needed = true, .set = true},
+    {"args", LIST(TEXT, experiment_controller, args, EXPERIMENT_ARGS_MAX)},
+    {.key = NULL},
+};
+
 static const struct yaml_key schema_robot[] = {
     {"name", AT(TEXT, experiment_robot, name), .needed = true},
     {"body", AT(TEXT, experiment_robot, body), .set = true},
@@ -39,7 +45,8 @@ static const struct yaml_key schema_robot[] = {
     {"place", AT(TEXT, experiment_robot, place)},
     {"count", AT(COUNT, experiment_robot, count)},
     {"processes", AT(COUNT, experiment_robot, processes)},
-    {"rules", AT(TEXT, experiment_robot, rules), .needed = true, .set = true},
+    {"rules", AT(TEXT, experiment_robot, rules), .set = true},
+    {"controller", AT(KEYS, experiment_robot, controller), .keys = schema_controller},
     {"host", AT(TEXT, experiment_robot, host)},
     {"broker", AT(TEXT, experiment_robot, broker)},
     {"on-crash", ON_CRASH(experiment_robot)},
@@ -54,7 +61,8 @@ static const struct yaml_key schema_agent[] = {
     {"name", AT(TEXT, experiment_robot, name), .needed = true},
     {"count", AT(COUNT, experiment_robot, count)},
     {"processes", AT(COUNT, experiment_robot, processes)},
-    {"rules", AT(TEXT, experiment_robot, rules), .needed = true, .set = true},
+    {"rules", AT(TEXT, experiment_robot, rules), .set = true},
+    {"controller", AT(KEYS, experiment_robot, controller), .keys = schema_controller},
     {"standby", AT(BOOL, experiment_robot, standby)},
     {"host", AT(TEXT, experiment_robot, host)},
     {"broker", AT(TEXT, experiment_robot, broker)},

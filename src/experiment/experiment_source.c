@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 mu_result experiment_fault(struct experiment_source *source, const void *field, int node,
@@ -109,6 +110,16 @@ mu_result experiment_check_file(struct experiment_source *s, char **path, int no
     }
     *path = mu_startup_string(absolute);
     return MU_OK;
+}
+
+mu_result experiment_check_program(struct experiment_source *s, char **path, int node)
+{
+    struct stat is;
+    MU_TRY(experiment_check_file(s, path, node, "program"));
+    return stat(*path, &is) == 0 && S_ISREG(is.st_mode) && access(*path, X_OK) == 0
+               ? MU_OK
+               : experiment_fault(s, path, node, "expected a program that may be started, not '%s'",
+                                  *path);
 }
 
 mu_result experiment_check_condition(struct experiment_source *s, const char *text, int node)

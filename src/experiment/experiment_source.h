@@ -54,6 +54,8 @@ bool experiment_overridden(const struct experiment_source *s, const void *field)
  */
 MU_MUST_USE mu_result experiment_check_file(struct experiment_source *s, char **path, int node,
                                             const char *what);
+/* The same for a program, which may be started. */
+MU_MUST_USE mu_result experiment_check_program(struct experiment_source *s, char **path, int node);
 
 /** @return whether the experiment was recorded: it lies elsewhere, with its rules and worlds, and
  * with no program */

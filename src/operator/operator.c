@@ -185,7 +185,7 @@ int operator_join(struct operator* o, const struct operator_options *options, co
         return MU_EXIT_SEVERAL;
     }
     struct mu_process_options process = join_options(&options->network, "operator");
-    process.domain = domain;
+    process.domain = domain ? domain : MU_DOMAIN_ZERO;
     if (options->as && !words_name_check("muster", "an agent", options->as)) {
         return MU_EXIT_USAGE;
     }

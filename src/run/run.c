@@ -29,6 +29,14 @@ struct run_part run_part_of(const struct run *r, const struct child *child)
     return r->parts[child - r->children.children];
 }
 
+const struct experiment_crew *run_controller(const struct run *r, const struct child *child)
+{
+    struct run_part part = run_part_of(r, child);
+    const struct experiment *e = r->experiment;
+    const struct experiment_crew *crew = part.kind == RUN_CREW ? &e->crews[part.index] : NULL;
+    return crew && e->robots[crew->robot].controller.program ? crew : NULL;
+}
+
 char *run_robot_name(const struct run *r, const char *name)
 {
     struct world_robot *robot = world_find_robot(r->world, name);

@@ -58,8 +58,11 @@ struct run_observer;
 struct run_inputs;
 struct chaos;
 
+/* The role of a program of the user's: the recording names it, and does not have it. */
+#define RUN_CONTROLLER "controller"
+
 struct run_file {
-    const char *role; /* experiment, world, rules, policy, library */
+    const char *role; /* experiment, world, rules, policy, library, controller */
     const char *path;
     const char *name; /* in the recording: where it is from here; of the library, in that */
     uint64_t hash;    /* of what it has in it: mu_hash_bytes */
@@ -217,6 +220,12 @@ MU_MUST_USE mu_result run_start_again(struct run *r, struct child *child);
 
 /* The folder of capsules and stores, in the report's. */
 #define RUN_CHECKPOINTS "checkpoints"
+
+/** @return the robots or agents of a controller, if a child is one; else NULL */
+const struct experiment_crew *run_controller(const struct run *r, const struct child *child);
+
+/** @return the hash of what a file has in it; that of nothing: it cannot be read */
+uint64_t run_file_hash(const char *path);
 
 /** @return whether anything of the run may be started again when it dies, in run.c */
 bool run_restarts_any(const struct run *r);

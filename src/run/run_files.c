@@ -56,7 +56,7 @@ static bool is_listed(const struct files *f, const char *spelled)
     return listed;
 }
 
-static uint64_t file_hash(const char *path)
+uint64_t run_file_hash(const char *path)
 {
     char bytes[4096];
     uint64_t hash = MU_HASH_EMPTY;
@@ -83,7 +83,7 @@ static void file_add(struct files *f, const char *role, const char *path)
         file->role = role;
         file->path = mu_startup_string(path);
         file->name = name_make(role, path);
-        file->hash = file_hash(path);
+        file->hash = run_file_hash(path);
     }
 }
 
@@ -166,7 +166,9 @@ void run_files_find(struct run *r)
         file_add(&f, "world", r->world->source->files[i]);
     }
     for (unsigned i = 0; i < experiment_members(e); i++) {
-        file_add(&f, "rules", e->robots[i].rules);
+        const struct experiment_robot *robot = &e->robots[i];
+        file_add(&f, robot->rules ? "rules" : RUN_CONTROLLER,
+                 robot->rules ? robot->rules : robot->controller.program);
     }
     for (unsigned i = 0; i < e->observer_count; i++) {
         if (e->observer[i].rules) {

@@ -179,8 +179,9 @@ static void on_directive(void *self, mu_agent *a, const struct mu_mail *mail)
 
 static mu_result network_join(struct run *r)
 {
-    struct mu_process_options options = {
-        .domain = r->domain, .name = "observer", .broker = run_broker(r, 0)};
+    struct mu_process_options options = {.domain = r->domain ? r->domain : MU_DOMAIN_ZERO,
+                                         .name = "observer",
+                                         .broker = run_broker(r, 0)};
     MU_TRY(mu_process_open(&r->process, &options));
     struct bus *bus = &r->process->bus;
     MU_TRY(bus_reader_open(bus, BUS_RUN_STATUS, NULL, &r->status));
@@ -306,13 +307,14 @@ static void broken_tell(const struct run *r)
 
 /* --- the course of a run ---------------------------------------------------------------------- */
 
-static int crash_explain(const struct child *child, bool running)
+/* What the exit code of a program of the user's means is not ours to know. */
+static int crash_explain(const struct run *r, const struct child *child, bool running)
 {
     supervise_explain(child);
     int code = WIFEXITED(child->status) ? WEXITSTATUS(child->status) : MU_EXIT_CRASH;
     bool explains_itself = code == MU_EXIT_FILE || code == MU_EXIT_USAGE || code == MU_EXIT_DDS ||
                            code == MU_EXIT_WRITE || code == MU_EXIT_NETWORK;
-    return !running && explains_itself ? code : MU_EXIT_CRASH;
+    return !running && explains_itself && !run_controller(r, child) ? code : MU_EXIT_CRASH;
 }
 
 static bool simulator_silent(struct run *r)
@@ -322,6 +324,18 @@ static bool simulator_silent(struct run *r)
     r->round_wall_ns = now_ns;
     r->silent_ns += round_ns < ROUND_COUNTS_NS ? round_ns : ROUND_COUNTS_NS;
     return r->simulator[0] && r->silent_ns > SILENCE_NS;
+}
+
+/* @return an agent that a child has registered, or NULL */
+static const struct mu_member *member_of(const struct run *r, const struct child *child)
+{
+    const struct mu_member *m;
+    for (size_t i = 0; (m = mu_process_member(r->process, i)); i++) {
+        if (m->pid == (uint32_t)child->pid && m->state != MU_GONE) {
+            return m;
+        }
+    }
+    return NULL;
 }
 
 /* @return whether a robot lives in a child, or an agent of the experiment */
@@ -380,7 +394,7 @@ static int round_live(struct run *r)
     const struct child *ended = run_is_over(r) ? NULL : run_restart_look(r);
     if (ended) {
         bool comes = run_part_of(r, ended).kind != RUN_BROKER && end_comes(r, ended);
-        return comes ? -1 : crash_explain(ended, r->state == muster_RUN_RUNNING);
+        return comes ? -1 : crash_explain(r, ended, r->state == muster_RUN_RUNNING);
     }
     if (simulator_silent(r) && !run_is_over(r)) {
         fprintf(stderr, "muster run: the simulator has been silent for %d s\n",
@@ -395,6 +409,27 @@ static int round_live(struct run *r)
     return r->name_refused || spun < 0 ? MU_EXIT_DDS : -1;
 }
 
+/* Says what has become of the agents of controllers that are not there. */
+static void controllers_explain(const struct run *r)
+{
+    const struct experiment *e = r->experiment;
+    for (uint32_t i = 0; i < r->children.count; i++) {
+        const struct child *child = &r->children.children[i];
+        const struct experiment_crew *crew = run_controller(r, child);
+        for (unsigned k = 0; crew && k < crew->count; k++) {
+            const char *name = e->robots[crew->robot + k].name;
+            const struct mu_member *m = mu_process_lookup(r->process, name);
+            if (m && m->pid == (uint32_t)child->pid) {
+                continue;
+            }
+            const struct mu_member *other = member_of(r, child);
+            fprintf(stderr, "muster run: the controller %s has not registered %s%s%s\n",
+                    e->robots[crew->robot].controller.program, name,
+                    other ? ", but as " : "; MUSTER_AGENT has the name", other ? other->name : "");
+        }
+    }
+}
+
 static int start_patience(const struct run *r)
 {
     uint64_t patience_ns =
@@ -407,6 +442,7 @@ static int start_patience(const struct run *r)
     fprintf(stderr, "muster run: not everybody is there after %d s; missing: %.200s%s%s\n",
             (int)(patience_ns / 1000000000u), r->waits_for,
             r->waits_for[0] && monitors[0] ? " " : "", monitors);
+    controllers_explain(r);
     return MU_EXIT_DDS;
 }
 
@@ -535,7 +571,7 @@ static int record_await(struct run *r)
     if (simulator->ended && WIFEXITED(simulator->status) && WEXITSTATUS(simulator->status) == 0) {
         return -1;
     }
-    return crash_explain(simulator, false);
+    return crash_explain(r, simulator, false);
 }
 
 static int live_through(struct run *r)

@@ -28,7 +28,7 @@ static uint64_t pause_ns(const struct child *child)
 
 static bool may_restart(const struct run *r, const struct child *child)
 {
-    return run_restarts(r, child) && !is_hopeless(child) &&
+    return run_restarts(r, child) && (run_controller(r, child) || !is_hopeless(child)) &&
            child->restarts < r->experiment->restarts;
 }
 

@@ -6,6 +6,7 @@
 #include "run/run.h"
 
 #include <errno.h>
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -114,8 +115,14 @@ static void recording_add(const struct run *r)
     for (size_t i = 0; i < r->options.set_count; i++) {
         supervise_word("--note=set.%zu=%s", i + 1, r->options.set[i]);
     }
-    for (size_t i = 0; i < r->files_count; i++) {
-        file_attach(&r->files[i]);
+    for (size_t i = 0, controllers = 0; i < r->files_count; i++) {
+        const struct run_file *file = &r->files[i];
+        if (strcmp(file->role, RUN_CONTROLLER) == 0) {
+            supervise_word("--note=controller.%zu=%016" PRIx64 " %s", ++controllers, file->hash,
+                           file->path);
+        } else {
+            file_attach(file);
+        }
     }
 }
 
@@ -191,10 +198,67 @@ static void mind_add(const struct run *r)
     }
 }
 
+/* What a program of the user's joins by, as our own have it from their command lines. */
+static void network_name(const struct run *r, const char *broker)
+{
+    char domain[16];
+    snprintf(domain, sizeof domain, "%d", r->domain);
+    setenv("MUSTER_DOMAIN", domain, 1);
+    setenv("MUSTER_BROKER", broker, 1);
+}
+
+/* The agents of a controller, and where it may keep what it needs to go on after its death. */
+static void controller_name(const struct run *r, const struct experiment_crew *crew)
+{
+    static char bytes[MU_ROBOTS_MAX * (MU_NAME_MAX + 1)];
+    const struct experiment_robot *robot = &r->experiment->robots[crew->robot];
+    char state[PATH_MAX + MU_NAME_MAX + 32], seed[32];
+    struct mu_text names = mu_text_in(bytes, sizeof bytes);
+    for (unsigned i = 0; i < crew->count; i++) {
+        mu_text_format(&names, "%s%s", i > 0 ? "," : "", robot[i].name);
+    }
+    snprintf(state, sizeof state, "%s/" RUN_CHECKPOINTS "/%s.state", r->folder, robot->name);
+    snprintf(seed, sizeof seed, "%lld", (long long)r->experiment->seed);
+    setenv("MUSTER_AGENT", robot->name, 1);
+    setenv("MUSTER_AGENTS", names.at, 1);
+    setenv("MUSTER_SEED", seed, 1);
+    setenv("MUSTER_WORLD", r->experiment->world, 1);
+    if (robot->on_crash == EXPERIMENT_RESTART) {
+        setenv("MUSTER_STATE", state, 1);
+    }
+}
+
+static void controller_unname(void)
+{
+    static const char *const names[] = {"MUSTER_AGENT", "MUSTER_AGENTS", "MUSTER_SEED",
+                                        "MUSTER_WORLD", "MUSTER_STATE"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        unsetenv(names[i]);
+    }
+}
+
+static mu_result controller_start(struct run *r, const struct experiment_crew *crew,
+                                  struct child *again)
+{
+    const struct experiment_robot *robot = &r->experiment->robots[crew->robot];
+    network_name(r, run_broker(r, 0));
+    controller_name(r, crew);
+    supervise_words(robot->controller.program);
+    for (unsigned i = 0; i < robot->controller.args_count; i++) {
+        supervise_word("%s", robot->controller.args[i]);
+    }
+    mu_result started = child_start(r, again, robot->name, robot->controller.program);
+    controller_unname();
+    return started;
+}
+
 /* What robots bear that share an entry of the experiment, they share here, too. */
 static mu_result crew_start(struct run *r, const struct experiment_crew *crew, struct child *again)
 {
     const struct experiment_robot *robot = &r->experiment->robots[crew->robot];
+    if (robot->controller.program) {
+        return controller_start(r, crew, again);
+    }
     bool has_body = crew->robot < r->experiment->robots_count;
     supervise_words(has_body ? "muster-robot" : "muster-agent");
     supervise_word("%s", crew->name);
@@ -314,13 +378,9 @@ mu_result run_start_again(struct run *r, struct child *child)
     return MU_REFUSED;
 }
 
-/* What a program of the user's joins by, as our own have it from their command lines. */
 static mu_result program_start(struct run *r, const struct experiment_monitor *m, const char *log)
 {
-    char domain[16];
-    snprintf(domain, sizeof domain, "%d", r->domain);
-    setenv("MUSTER_DOMAIN", domain, 1);
-    setenv("MUSTER_BROKER", run_broker(r, 0), 1);
+    network_name(r, run_broker(r, 0));
     supervise_words(m->program);
     return supervise_start_aside(&r->children, m->name, m->program, supervise_words_end(), log);
 }

@@ -307,13 +307,17 @@ static void ready_read(struct child *child)
     }
 }
 
+/* One that says more than this at a time is heard on in the next round. */
+enum { OUTPUT_READS = 64 };
+
 static void output_read(const struct supervise *s, struct child *child)
 {
     char said[4096];
-    ssize_t len;
-    while (child->output >= 0 && (len = read(child->output, said, sizeof said)) != 0) {
-        if (len < 0) {
-            return;
+    ssize_t len = -1;
+    for (int i = 0; child->output >= 0 && i < OUTPUT_READS; i++) {
+        len = read(child->output, said, sizeof said);
+        if (len <= 0) {
+            break;
         }
         words_keep(child, said, (size_t)len);
         if (child->log >= 0) {
@@ -323,10 +327,22 @@ static void output_read(const struct supervise *s, struct child *child)
             fwrite(said, 1, (size_t)len, stderr);
         }
     }
-    if (child->output >= 0) {
+    if (len == 0) {
         close(child->output);
         child->output = -1;
     }
+}
+
+/* What it has forked does not outlive it: it leads a group of its own, whose number is taken until
+ * it is waited for. */
+static bool child_is_over(struct child *child)
+{
+    siginfo_t is = {.si_pid = 0};
+    if (waitid(P_PID, (id_t)child->pid, &is, WEXITED | WNOHANG | WNOWAIT) != 0 || is.si_pid == 0) {
+        return false;
+    }
+    kill(-child->pid, SIGKILL);
+    return waitpid(child->pid, &child->status, 0) == child->pid;
 }
 
 void supervise_look(struct supervise *s)
@@ -335,7 +351,7 @@ void supervise_look(struct supervise *s)
         struct child *child = &s->children[i];
         output_read(s, child);
         ready_read(child);
-        if (!child->ended && waitpid(child->pid, &child->status, WNOHANG) == child->pid) {
+        if (!child->ended && child_is_over(child)) {
             child->ended = true;
             output_read(s, child);
         }

@@ -10,6 +10,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* The public enumerations are those of the wire, so that they can be cast. */
@@ -92,7 +93,8 @@ static bool kind_is_one(enum mu_kind kind)
 mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu_kind kind,
                         uint64_t last_number, const struct mu_handlers *handlers)
 {
-    if (!mu_name_valid(name) || !kind_is_one(kind)) {
+    name = name ? name : getenv("MUSTER_AGENT");
+    if (!name || !mu_name_valid(name) || !kind_is_one(kind)) {
         return MU_MALFORMED;
     }
     const struct mu_agent *holder = agent_find(p, name);

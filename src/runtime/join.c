@@ -5,7 +5,8 @@ enum { JOIN_SILENT_NS = 1000000000 };
 
 struct mu_process_options join_options(const struct mu_network *network, const char *name)
 {
-    return (struct mu_process_options){.domain = (int)network->domain,
+    return (struct mu_process_options){.domain =
+                                           network->domain ? (int)network->domain : MU_DOMAIN_ZERO,
                                        .interface = network->interface,
                                        .peer = mu_network_peers(network),
                                        .name = name,

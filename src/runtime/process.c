@@ -8,6 +8,7 @@
 
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -82,8 +83,14 @@ static mu_result bus_enter(mu_process *p, const struct mu_process_options *optio
 
 mu_result mu_process_open(mu_process **out, const struct mu_process_options *options)
 {
-    static const struct mu_process_options usual;
-    options = options ? options : &usual;
+    struct mu_process_options own = options ? *options : (struct mu_process_options){0};
+    const char *domain = getenv("MUSTER_DOMAIN");
+    if (own.domain == 0 && domain) {
+        own.domain = (int)strtol(domain, NULL, 10);
+    }
+    own.domain = own.domain == MU_DOMAIN_ZERO ? 0 : own.domain;
+    own.broker = own.broker ? own.broker : getenv("MUSTER_BROKER");
+    options = &own;
     if (!options_fit(options)) {
         return MU_FAULT_USAGE;
     }

@@ -6,7 +6,8 @@ from support import ROOT, check, check_equal, experiment_run, folder, muster
 
 EXPERIMENTS = ROOT / "experiments"
 PAGES = ROOT / "docs/experiments"
-TAUGHT = ("follow", "collect", "explore", "formation", "contract-net", "auction", "office", "platoon", "least-busy", "broker-death")
+TAUGHT = ("follow", "collect", "explore", "formation", "contract-net", "auction", "office", "platoon",
+          "least-busy", "braitenberg", "broker-death")
 
 
 def series(name, seeds, *words):
