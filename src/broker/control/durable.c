@@ -151,6 +151,7 @@ static bool restore_agent(struct broker *b, const struct journal_entry *e)
                 is_count(e->durable_seq) && is_count(e->failed_seq) && is_count(e->reserved_seq);
     uint32_t agent = good ? registry_find(&b->registry, e->name) : MU_NONE;
     if (good && agent == MU_NONE && (ended || registry_is_crowded(&b->registry))) {
+        b->registry.roomless += !ended;
         return agent_bury(b, e);
     }
     if (good && agent == MU_NONE) {

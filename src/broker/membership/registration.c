@@ -155,6 +155,13 @@ static void slot_leave(struct broker *b, uint32_t agent, uint32_t place, uint32_
     }
 }
 
+/* What is left of a nearly full store is first for the agents that it knew: a newcomer asks again.
+ */
+static bool room_is_kept(const struct broker *b, const muster_Entry *e)
+{
+    return b->registry.roomless > 0 && e->newcomer && b->clock.now_ns < b->hold_ns;
+}
+
 /* What a part says of one slot. */
 static void entry_take(struct broker *b, uint32_t place, const muster_Registration *r,
                        uint32_t index)
@@ -172,7 +179,7 @@ static void entry_take(struct broker *b, uint32_t place, const muster_Registrati
         return;
     }
     if (!objection && agent == MU_NONE) {
-        agent = registry_add(&b->registry, e->name);
+        agent = room_is_kept(b, e) ? MU_NONE : registry_add(&b->registry, e->name);
         if (agent == MU_NONE && e->kind == muster_KIND_SPECIAL) {
             agent = registry_add_command(&b->registry, e->name);
         }

@@ -168,6 +168,7 @@ struct registry {
     uint32_t free_count;
     uint64_t kept; /* a bit for each place of REGISTRY_KEPT that is taken */
     struct graveyard graveyard;
+    uint32_t roomless; /* names of the store that had no place when the broker began */
     struct changelog changes;
     struct mu_link pages[REGISTRY_PAGES];
     struct mu_list news; /* pages in which something has changed */

@@ -149,6 +149,29 @@ static void test_a_full_broker_refuses_new_names_alone(void)
     CU_ASSERT_FALSE(broker_takes_names(story.b));
 }
 
+/* A store has more names than come back at once: newcomers wait for their bearers. */
+static void test_room_is_first_for_names_of_the_store(void)
+{
+    life_begin(WALL);
+    for (unsigned i = 0; i < MU_AGENTS_MAX; i++) {
+        struct journal_entry e = {.kind = JOURNAL_AGENT,
+                                  .name = name_of(i),
+                                  .agent_kind = muster_KIND_ROBOT,
+                                  .reserved_seq = JOURNAL_RESERVE};
+        CU_ASSERT_TRUE(durable_restore(story.b, &e));
+    }
+    CU_ASSERT_TRUE(broker_takes_names(story.b));
+    CU_ASSERT_FALSE(is_known(name_of(MU_AGENTS_MAX - 1)));
+    story_match("p-new");
+    story_register_newcomer("more", "p-new", 0);
+    EXPECT("more: the white pages are full");
+    story_register(name_of(MU_AGENTS_MAX - 1), "p-old");
+    CU_ASSERT_TRUE(is_known(name_of(MU_AGENTS_MAX - 1)));
+    story_tick(1500 * MS);
+    story_register_newcomer("more", "p-new", 0);
+    EXPECT("more welcome 0");
+}
+
 /* What was sent before the name ended is a duplicate after it. */
 static void test_numbers_outlive_a_name(void)
 {
@@ -297,6 +320,7 @@ int main(void)
         {"names stay while there is room", test_names_stay_while_there_is_room},
         {"names that hold something stay", test_names_that_hold_something_stay},
         {"a full broker refuses new names alone", test_a_full_broker_refuses_new_names_alone},
+        {"room is first for names of the store", test_room_is_first_for_names_of_the_store},
         {"numbers outlive a name", test_numbers_outlive_a_name},
         {"numbers of a box go on", test_numbers_of_a_box_go_on},
         {"a disposed name ends at once", test_a_disposed_name_ends_at_once},
