@@ -262,7 +262,7 @@ static int compare(struct verify *v)
     } else {
         result_print(v, differ ? &d : NULL);
     }
-    if (differ && !is_changed(v) && versions_differ(v)) {
+    if (differ && !is_changed(v) && (v->others || versions_differ(v))) {
         return MU_EXIT_OTHER;
     }
     return differ || is_changed(v) ? MU_EXIT_EXPECTATION : MU_EXIT_DONE;

@@ -352,7 +352,7 @@ def test_the_observer_commands_all_and_each_answers():
         check("nobody: no such agent" in done.stdout and "red: failed:" in done.stdout,
               done.stdout)
         for line, said in (("(nonsense)", "expected one of"), ("(you-do red)", "expected (you-do"),
-                           ("(suspend group:nobodies)", "nobody"), ("(suspend a.b/c)", "expected")):
+                           ("(suspend group:nobodies)", "no agent"), ("(suspend a.b/c)", "expected")):
             done = console(domain, "observer", line)
             check_equal(done.returncode, 8, line)
             check(said in done.stdout, done.stdout)

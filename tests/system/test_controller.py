@@ -5,7 +5,7 @@ import json
 import time
 
 import pytest
-from support import (ROOT, alive, check, check_equal, experiment_run, folder, muster, program,
+from support import (BUILD, ROOT, alive, check, check_equal, experiment_run, folder, muster, program,
                      wait_for)
 
 FILE = """
@@ -63,6 +63,9 @@ def test_verify_starts_a_controller_when_it_is_asked_to():
         other = muster("verify", "--programs", "--json", recording)
         check(not json.loads(other.stdout)["same_controllers"], other.stdout)
         check("another program" in other.stderr, other.stderr)
+        copy.write_bytes((BUILD / "examples" / "braitenberg").read_bytes())
+        another = muster("verify", "--programs", recording)
+        check_equal(another.returncode, 13, another.stderr)
         copy.unlink()
         gone = muster("verify", "--programs", recording)
         check_equal(gone.returncode, 3, gone.stderr)
