@@ -151,7 +151,7 @@ struct mu_handlers {
 };
 
 /** Domain 0, whatever the environment says. */
-#define MU_DOMAIN_ZERO (-1)
+#define MU_DOMAIN_ZERO (-2147483647 - 1)
 
 struct mu_process_options {
     int domain;            /* DDS domain; 0: that of MUSTER_DOMAIN, where that is set */

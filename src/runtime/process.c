@@ -85,8 +85,10 @@ mu_result mu_process_open(mu_process **out, const struct mu_process_options *opt
 {
     struct mu_process_options own = options ? *options : (struct mu_process_options){0};
     const char *domain = getenv("MUSTER_DOMAIN");
-    if (own.domain == 0 && domain) {
-        own.domain = (int)strtol(domain, NULL, 10);
+    if (own.domain == 0 && domain && *domain) {
+        char *end;
+        own.domain = (int)strtol(domain, &end, 10);
+        own.domain = *end ? -1 : own.domain; /* it is none: bus_open says so */
     }
     own.domain = own.domain == MU_DOMAIN_ZERO ? 0 : own.domain;
     own.broker = own.broker ? own.broker : getenv("MUSTER_BROKER");
