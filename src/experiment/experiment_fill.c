@@ -56,8 +56,9 @@ static char *fill_name(const char *path)
 static void fill_members(struct experiment *e)
 {
     struct experiment_robot *all = mu_startup_array(experiment_members(e), sizeof *all);
-    memcpy(all, e->robots, e->robots_count * sizeof *all);
-    memcpy(all + e->robots_count, e->agents, e->agents_count * sizeof *all);
+    for (unsigned i = 0; i < experiment_members(e); i++) {
+        all[i] = i < e->robots_count ? e->robots[i] : e->agents[i - e->robots_count];
+    }
     e->robots = all;
     e->agents = all + e->robots_count;
 }
