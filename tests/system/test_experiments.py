@@ -6,7 +6,7 @@ from support import ROOT, check, check_equal, experiment_run, folder, muster
 
 EXPERIMENTS = ROOT / "experiments"
 PAGES = ROOT / "docs/experiments"
-TAUGHT = ("follow", "collect", "explore", "formation", "contract-net", "auction", "office", "platoon",
+TAUGHT = ("follow", "paper", "collect", "explore", "formation", "contract-net", "auction", "office", "platoon",
           "least-busy", "braitenberg", "broker-death")
 
 
@@ -25,6 +25,28 @@ def test_each_has_a_page():
         for part in ("What it shows", "What to look at", "What to change", "Questions for a class"):
             check(part in page, f"{part} in {name}.md")
         check(f"(experiments/{name}.md)" in table, f"{name} in docs/experiments.md")
+
+
+def test_red_becomes_a_follower_in_each_of_the_papers_ways():
+    """On the controller's console, on red's own, and by a fact and a global of red's."""
+    text = (EXPERIMENTS / "paper.yaml").read_text().replace("../", f"{ROOT}/")
+    text = text.replace("policy: ", f"policy: {EXPERIMENTS}/")
+    line = 'do: controller, line: "(you-do red follow green)"'
+    check(line in text, "the command")
+    fact = "(progn (do-for-all-facts ((?g goal)) TRUE (retract ?g)) (assert (goal follow)) (bind ?*mate* green))"
+    for way in (line, 'do: red, line: "(follow green)"', f'do: red, line: "{fact}"'):
+        with folder() as out:
+            (out / "way.yaml").write_text(text.replace(line, way))
+            done = muster("run", out / "way.yaml", "--out", out / "r")
+            check_equal(done.returncode, 0, f"{way}: {done.stdout} {done.stderr}")
+
+
+def test_the_papers_controller_needs_the_trust_policy():
+    with folder() as out:
+        text = (EXPERIMENTS / "paper.yaml").read_text().replace("../", f"{ROOT}/").replace("policy: paper.policy\n", "")
+        (out / "paper.yaml").write_text(text)
+        done = muster("run", out / "paper.yaml", "--out", out / "r")
+        check_equal(done.returncode, 1, f"no robot obeys: {done.stdout} {done.stderr}")
 
 
 def test_explore():
