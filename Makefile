@@ -49,7 +49,10 @@ endif
 # The shared library is made of the same objects as everything else; what a program does not use is
 # left out of it.
 SHARED  := -fPIC -fvisibility=hidden -ffunction-sections -fdata-sections
-CFLAGS  += $(CSTD) $(WARN) $(WERROR) $(FLAGS_$(BUILD)) $(SHARED) -MD -MP
+# What musl gives, the compiler knows nothing of: it would compute what is constant by itself, another way.
+ELEMENTARY := sin cos sincos tan asin acos atan atan2 sinh cosh tanh exp expm1 log log10 pow hypot asinf acosf
+NO_BUILTIN := $(addprefix -fno-builtin-,$(ELEMENTARY))
+CFLAGS  += $(CSTD) $(WARN) $(WERROR) $(FLAGS_$(BUILD)) $(NO_BUILTIN) $(SHARED) -MD -MP
 LDFLAGS += $(filter -fsanitize% --coverage,$(FLAGS_$(BUILD))) -Wl,--gc-sections
 
 # What everything is compiled and linked with: when that changes, all is built again.
@@ -117,6 +120,7 @@ LIBS_web     := -lmicrohttpd -lddsc -lz -lm
 # The files of the page are part of the program: src/web/assets.c names them.
 ASSETS := $(patsubst %,$(O)/%.o,$(wildcard src/web/assets/*))
 module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN)) \
+                $(if $(filter world,$(1) $(USES_$(1))),$(ARITHMETIC)) \
                 $(if $(filter mind,$(1) $(USES_$(1))),$(CLIPS_O)/libclips.a) $(if $(filter web,$(1)),$(ASSETS))
 
 PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot \
@@ -144,7 +148,7 @@ KEPT     := $(wildcard $(HELPERS) $(PRELOADS) $(BENCHES) $(O)/test/gohome)
 
 .DEFAULT_GOAL := all
 .PHONY: all
-all: deps $(ARITHMETIC) $(PROGRAMS) $(FAULTS) $(O)/libmuster.a $(O)/libmuster.so.0 $(EXAMPLES) $(KEPT) ## build the programs, the library and the examples
+all: deps $(PROGRAMS) $(FAULTS) $(O)/libmuster.a $(O)/libmuster.so.0 $(EXAMPLES) $(KEPT) ## build the programs, the library and the examples
 
 .PHONY: deps test-deps
 deps: ## install what is missing (DEPS=skip: never touch the system)
@@ -160,14 +164,17 @@ $(PROGRAMS): $(O)/bin/%: $(O)/src/$$(MAIN_$$*)/main.o $$(call module_objs,$$(MAI
 # CLIPS from its source, with our patches and our port: once for all builds, and once more for the
 # address sanitizer, which sees each block of it.  Its own undefined behaviour is let be: docs/clips.md.
 CLIPS_O      := $(CLIPS)$(if $(filter asan,$(BUILD)),/asan)
-CLIPS_CFLAGS := -std=gnu89 -w -g -ffp-contract=off -fno-strict-aliasing -fPIE -ffunction-sections -fdata-sections \
+CLIPS_CFLAGS := -std=gnu89 -w -g -ffp-contract=off $(NO_BUILTIN) -fno-strict-aliasing -fPIE -ffunction-sections -fdata-sections \
                 $(if $(filter asan,$(BUILD)),-O1 -fsanitize=address -fno-omit-frame-pointer -DMEM_TABLE_SIZE=0,-O2)
 PORT_ENVIRONMENT := envrnmnt
 PORT_MEMORY      := memalloc
 PORT_CALLS       := dffnxexe engine genrcexe msgpass
 $(CLIPS)/core/whole: tools/source patches/clips $(wildcard patches/clips/*.patch) | deps
 	$(Q)tools/source clips $(CLIPS) && touch $@
-$(CLIPS_O)/libclips.a: $(CLIPS)/core/whole src/mind/engine/port.h
+$(CLIPS_O)/flags: FORCE
+	@mkdir -p $(@D)
+	$(Q)echo '$(CLIPS_CFLAGS)' | cmp -s - $@ || echo '$(CLIPS_CFLAGS)' > $@
+$(CLIPS_O)/libclips.a: $(CLIPS)/core/whole src/mind/engine/port.h $(CLIPS_O)/flags
 	@mkdir -p $(@D); echo "  CC    $(CLIPS)/core/*.c"
 	$(Q)ls $(CLIPS)/core/*.c | sed 's|.*/||;s|\.c$$||;/^main$$/d' | \
 	  sed '$(foreach p,PORT_ENVIRONMENT PORT_MEMORY PORT_CALLS,$(foreach f,$($p),s/^$f$$/& -D$p/;))' | xargs -P $(shell nproc) -L 1 sh -c \
@@ -176,9 +183,9 @@ $(CLIPS_O)/libclips.a: $(CLIPS)/core/whole src/mind/engine/port.h
 $(call objs,mind): CFLAGS += -fno-strict-aliasing # as it
 
 # The elementary functions of musl, alone: the C library's choose by what the processor has.  They are
-# compiled as musl compiles itself, without fused instructions, for each build: arithmetic.o.
+# compiled as musl compiles itself, without fused instructions, for each build.  What is in a program goes
+# before what is in a library: arithmetic.o serves CLIPS and ODE, too.
 MUSL := build/musl
-ELEMENTARY := sin cos sincos tan asin acos atan atan2 sinh cosh tanh exp expm1 log log10 pow hypot asinf acosf
 ELEMENTARY_PARTS := __sin __cos __tan __rem_pio2 __rem_pio2_large __expo2 exp_data log_data pow_data \
                     $(addprefix __math_,divzero invalid oflow uflow xflow)
 MUSL_CFLAGS := -std=c99 -w -O2 -g -ffp-contract=off -frounding-math -fexcess-precision=standard -fno-math-errno \

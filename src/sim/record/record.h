@@ -35,8 +35,12 @@ struct run_hash *run_hash_open(void);
 /** Digests what an agent did: command, rules fired, mails sent. */
 void run_hash_act(struct run_hash *h, const muster_Act *act, unsigned char digest[RUN_HASH_BYTES]);
 
-/** Folds bytes in: the bits of body states, or digests. */
+/** Folds bytes in, such as digests. */
 void run_hash_fold(struct run_hash *h, const void *bytes, size_t count);
+
+/** Folds the bits of a body's state in, each number from its lowest byte, whatever the processor's
+ * order is. */
+void run_hash_fold_doubles(struct run_hash *h, const double values[], size_t count);
 
 /** Folds a number in, the same on every machine. */
 void run_hash_fold_number(struct run_hash *h, uint64_t number);

@@ -88,6 +88,13 @@ void run_hash_fold(struct run_hash *h, const void *bytes, size_t count)
     fold(h->run, bytes, count);
 }
 
+void run_hash_fold_doubles(struct run_hash *h, const double values[], size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        fold_double(h->run, values[i]);
+    }
+}
+
 void run_hash_fold_number(struct run_hash *h, uint64_t number)
 {
     fold_number(h->run, number);

@@ -13,7 +13,7 @@ static void body_hash(struct session *s, size_t body)
 {
     double state[ENGINE_STATE_DOUBLES];
     engine_state(s->engine, body, state);
-    run_hash_fold(s->hash, state, sizeof state);
+    run_hash_fold_doubles(s->hash, state, ENGINE_STATE_DOUBLES);
 }
 
 void step_record(struct session *s)
