@@ -347,7 +347,7 @@ PYTEST := BUILD=$(BUILD) pytest-3 -n $(shell expr 3 \* `nproc`) --dist loadgroup
 $(UNITS:%=%.ok): %.ok: %
 	@BUILD=$(BUILD) tests/units --fast $(*F) > $@.log || { cat $@.log; false; }
 	@grep '^  $(*F)' $@.log; touch $@
-$(O)/tidy.ok: $(SOURCES) $(OBJECTS) $(wildcard tools/*.py)
+$(O)/tidy.ok: $(SOURCES) $(OBJECTS) $(PROGRAMS) $(wildcard tools/*.py)
 	@BUILD=$(BUILD) tools/tidy.py && touch $@
 $(O)/rules.ok: $(O)/test/rules $(wildcard rules/*.clp tests/rules/muster/*.clp tests/rules/muster/*/*.clp)
 	@$< $(wildcard tests/rules/muster/*.clp) && touch $@
@@ -448,7 +448,7 @@ soak-engine: $(O)/test/clips ## 1200 random programs in the program clips and in
 soak-snapshots: $(O)/test/snapshots ## 1200 random programs, each cut somewhere: minds go on from their snapshots, from other seeds each time
 	@set -e; for seed in {1..4}; do BUILD=$(BUILD) tests/soak/snapshots.py $$RANDOM; done
 
-tidy: test-deps $(OBJECTS) ## the house rules that a compiler cannot check
+tidy: test-deps $(OBJECTS) $(PROGRAMS) ## the house rules that a compiler cannot check
 	@BUILD=$(BUILD) tools/tidy.py
 
 asan: ## unit and rule tests under the address and undefined-behaviour sanitizers
