@@ -17,6 +17,7 @@ import re
 import subprocess
 import sys
 
+import arithmetic
 import booleans
 import floors
 import graph
@@ -201,6 +202,8 @@ def check_all():
         bad(path, n, f"who, nobody and he are people: name the process, agent or program: {text}")
     for path, n, count, text in words.long_sentences(ROOT):
         bad(path, n, f"{count} words in a sentence (at most {words.SENTENCE_WORDS_MAX}): {text}")
+    for path, why in arithmetic.problems(BUILD):
+        bad(path, 1, why)
     check_states()
     check_calls()
 

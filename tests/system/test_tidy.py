@@ -173,6 +173,34 @@ def test_a_tree_that_is_not_built_says_what_to_do():
         check("3 of 3 objects are missing or older than their source" in said and "run `make`" in said, said)
 
 
+def test_an_elementary_function_of_the_c_library_is_found():
+    """Once in a program, once in a library that it is loaded with, and not where it has its own."""
+    with folder() as out:
+        (out / "build/release/bin").mkdir(parents=True)
+        library, program = out / "libode.so", out / "build/release/bin/muster-sim"
+
+        def made(to, code, *words):
+            code = "double cbrt(double x), tan(double x), ode(double x), fmod(double x, double y);\n" + code
+            subprocess.run(["cc", "-fno-builtin", "-fPIC", "-x", "c", "-o", to, "-", *words, "-lm"],
+                           input=code, text=True, check=True, timeout=60)
+
+        made(library, "double ode(double x) { return tan(x); }\n", "-shared", "-Wl,-soname,libode.so")
+        loaded = ("-x", "none", library, f"-Wl,-rpath,{out}")
+        made(program, "int main(int n, char **v) { (void)v; return fmod(n, 3) + ode(n) + cbrt(n) > 1; }\n", *loaded)
+        code, said = tidied(out, ORDERLY)
+        check_equal(code, 1, said)
+        check("muster-sim:1: calls cbrt of the C library" in said, said)
+        check(f"muster-sim:1: loads {library}, which calls tan of the C library" in said, said)
+        check("fmod" not in said, "what is exact is let be")
+    with folder() as out:
+        (out / "build/release/bin").mkdir(parents=True)
+        library, program = out / "libode.so", out / "build/release/bin/muster-sim"
+        made(library, "double ode(double x) { return tan(x); }\n", "-shared", "-Wl,-soname,libode.so")
+        loaded = ("-x", "none", library, f"-Wl,-rpath,{out}")
+        made(program, "double tan(double x) { return x; }\nint main(int n, char **v) { (void)v; return ode(n) > 1; }\n", *loaded)
+        check_equal(tidied(out, ORDERLY)[0], 0, "a program with a tan of its own")
+
+
 def test_the_graph_shows_who_calls_whom():
     with folder() as out:
         code, said = tidied(out, ORDERLY, "--graph", "planner")
