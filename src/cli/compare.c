@@ -3,6 +3,7 @@
 #include "report/compare/compare.h"
 
 #include "cli/verbs.h"
+#include "core/arithmetic.h"
 #include "core/exits.h"
 #include "core/options.h"
 
@@ -87,6 +88,26 @@ static mu_result folders_read(struct compare *c, const struct mu_options *o)
     return MU_OK;
 }
 
+static const char *arithmetic_of(const struct compare_run *run)
+{
+    return run->arithmetic[0] ? run->arithmetic : MU_ARITHMETIC_BEFORE;
+}
+
+/* Before anything else: such runs have other hashes, whatever else is the same.  @return the exit
+ * code */
+static int arithmetic_tell(const struct compare *c)
+{
+    const struct compare_run *one = &c->runs[0], *other = compare_other_arithmetic(c);
+    if (!other) {
+        return MU_EXIT_DONE;
+    }
+    fprintf(stderr,
+            "muster compare: the arithmetic differs, and hashes with it: %s was computed with %s, "
+            "%s with %s\n",
+            one->folder, arithmetic_of(one), other->folder, arithmetic_of(other));
+    return MU_EXIT_OTHER;
+}
+
 static void missing_tell(const struct compare *c)
 {
     for (unsigned i = 0; chosen.statistics.count > 0 && i < c->statistics_count; i++) {
@@ -134,6 +155,7 @@ int compare_verb(int argc, char **argv)
     done = compare_open(&c, (unsigned)options.words_count, chosen.by, chosen.statistics.items,
                         chosen.statistics.count);
     done = done == MU_OK ? folders_read(c, &options) : done;
+    int code = done == MU_OK ? arithmetic_tell(c) : MU_EXIT_DONE;
     done = done == MU_OK ? result_tell(c) : done;
-    return mu_exit_for(done);
+    return done == MU_OK ? code : mu_exit_for(done);
 }

@@ -188,6 +188,9 @@ static void summary_use(const struct remaking *m, struct report_input *in)
     in->wall_time_s = s->wall_time_s;
     in->command = s->command;
     in->versions = s->made_with;
+    in->arithmetic = s->arithmetic;
+    in->architecture = s->architecture;
+    in->processor = s->processor;
     in->mail = s->mail;
     in->mail_unknown = s->mail_unknown;
     in->restarts = s->restarts;
@@ -212,6 +215,9 @@ static void recording_use(const struct remaking *m, struct report_input *in)
              note(m, "cyclonedds"), clips[0] ? ", CLIPS " : "", clips);
     in->command = note(m, "command");
     in->versions = versions;
+    in->arithmetic = note(m, "arithmetic");
+    in->architecture = note(m, "architecture");
+    in->processor = note(m, "processor");
     in->mail_unknown = true;
 }
 

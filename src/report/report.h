@@ -89,6 +89,7 @@ struct report_input {
     const struct report_chaos *chaos; /* of each piece; NULL: the experiment has none */
     uint64_t packets_struck;          /* lost or late by it */
     const char *versions;             /* of what the run is made of */
+    const char *arithmetic, *architecture, *processor; /* with and on which it was computed */
 };
 
 /* What one robot did, from run.csv. */
@@ -160,6 +161,7 @@ struct summary {
     uint64_t seed, packets_struck;
     double sim_time_s, wall_time_s, duration_s; /* duration_s: as the user asked */
     const char *experiment, *file, *hash, *command, *made_with;
+    const char *arithmetic, *architecture, *processor;
     unsigned expected, met; /* expectations */
     const char *overrides[SUMMARY_LIST_MAX], *undone[SUMMARY_LIST_MAX];
     size_t overrides_count, undone_count;

@@ -146,11 +146,12 @@ static void html_facts(FILE *file, const struct report_data *data)
     html_fact(file, "world", input->world->file);
     html_fact(file, "experiment", input->experiment->file ? input->experiment->file : "");
     html_fact(file, "made with", input->versions ? input->versions : "");
+    html_fact(file, "arithmetic", input->arithmetic ? input->arithmetic : "");
     fputs("</dl>\n<h2>Run it again</h2>\n<pre>", file);
     svg_escape(file, input->command);
     fprintf(file, "</pre>\n<p class=\"soft\">%s</p>\n",
             strcmp(input->hash, "none") != 0
-                ? "The same seed gives the same hash, on processors of one kind."
+                ? "The same seed gives the same hash, on every processor."
                 : "This run has no hash: it ran free, or did not come to its end.");
 }
 

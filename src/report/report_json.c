@@ -193,6 +193,9 @@ void report_write_json(FILE *file, const struct report_data *data)
     mu_json_real(&j, "duration_s", input->experiment->duration);
     mu_json_bool(&j, "free", input->free);
     mu_json_string(&j, "made_with", input->versions);
+    mu_json_string(&j, "arithmetic", input->arithmetic);
+    mu_json_string(&j, "architecture", input->architecture);
+    mu_json_string(&j, "processor", input->processor);
     mu_json_list(&j, "overrides");
     for (size_t i = 0; i < input->overrides_count; i++) {
         mu_json_string(&j, NULL, input->overrides[i]);

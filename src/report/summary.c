@@ -51,6 +51,9 @@ static void run_take(struct summary *s)
     s->hash = text_of(run, "hash");
     s->command = text_of(run, "command");
     s->made_with = text_of(run, "made_with");
+    s->arithmetic = text_of(run, "arithmetic");
+    s->architecture = text_of(run, "architecture");
+    s->processor = text_of(run, "processor");
     s->free = json_is_true(json_object_get(run, "free"));
     s->broke_off = json_is_true(json_object_get(run, "broke_off"));
     s->seed = count_of(run, "seed");

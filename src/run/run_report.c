@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* How a run ends: the report in its folder, and what came out on standard output. */
+#include "core/arithmetic.h"
 #include "core/exits.h"
 #include "core/text.h"
 #include "muster/memory.h"
@@ -230,7 +231,7 @@ static void files_fill(const struct run *r, struct report_input *input)
 
 int run_report(struct run *r)
 {
-    char command[2048], versions[128];
+    char command[2048], versions[128], processor[MU_PROCESSOR_MAX];
     struct report_input input;
     snprintf(versions, sizeof versions, "muster %s, Cyclone DDS %s, CLIPS %s", MU_VERSION,
              bus_version(), MU_CLIPS_VERSION);
@@ -241,6 +242,10 @@ int run_report(struct run *r)
     input.free = r->options.free;
     files_fill(r, &input);
     input.versions = versions;
+    mu_processor(processor);
+    input.arithmetic = MU_ARITHMETIC;
+    input.architecture = mu_architecture();
+    input.processor = processor;
     input.mail = run_mail_of(r);
     input.chaos = chaos_fates(r);
     input.packets_struck = chaos_packets(r);

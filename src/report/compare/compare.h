@@ -60,7 +60,7 @@ struct compare_part {
 
 struct compare_run {
     const char *folder;
-    char experiment[COMPARE_NAME_MAX], hash[80];
+    char experiment[COMPARE_NAME_MAX], hash[80], arithmetic[COMPARE_NAME_MAX];
     char value[COMPARE_NAME_MAX]; /* of the key that runs are grouped by; "": they are by none */
     const struct compare_part *parts;
     unsigned parts_count;
@@ -106,6 +106,9 @@ MU_MUST_USE mu_result compare_open(struct compare **out, unsigned runs_max, cons
  *         no room for another run or group; MU_FAULT_FILE with the place
  */
 MU_MUST_USE mu_result compare_add(struct compare *c, const char *folder, struct mu_fault *fault);
+
+/** @return a run with another arithmetic than the first one's; NULL: all have the same */
+const struct compare_run *compare_other_arithmetic(const struct compare *c);
 
 /** Makes the groups, when all runs are there.  @return MU_OK; MU_FULL: more groups than fit */
 MU_MUST_USE mu_result compare_close(struct compare *c);

@@ -108,6 +108,7 @@ mu_result compare_add(struct compare *c, const char *folder, struct mu_fault *fa
                                 .met = s.met};
     mu_text_copy(run->experiment, sizeof run->experiment, mu_text_show(shown, s.experiment));
     mu_text_copy(run->hash, sizeof run->hash, s.hash);
+    mu_text_copy(run->arithmetic, sizeof run->arithmetic, mu_text_show(shown, s.arithmetic));
     mu_text_copy(run->value, sizeof run->value, c->by ? "-" : "");
     for (unsigned i = 0; i < c->statistics_count; i++) {
         run->values[i] = summary_statistic(&s, c->statistics[i]);
@@ -119,4 +120,14 @@ mu_result compare_add(struct compare *c, const char *folder, struct mu_fault *fa
     }
     c->runs_count++;
     return MU_OK;
+}
+
+const struct compare_run *compare_other_arithmetic(const struct compare *c)
+{
+    for (unsigned i = 1; i < c->runs_count; i++) {
+        if (strcmp(c->runs[i].arithmetic, c->runs[0].arithmetic) != 0) {
+            return &c->runs[i];
+        }
+    }
+    return NULL;
 }

@@ -2,6 +2,7 @@
 #include "bus/raw/raw.h"
 #include "sim/record/record.h"
 
+#include "core/arithmetic.h"
 #include "core/clock.h"
 #include "core/paths.h"
 #include "core/table.h"
@@ -138,7 +139,8 @@ static size_t places_fill(struct mcap_file *f, const struct mu_option_list *plac
 
 static void table_write(struct mcap_file *f, const struct mcap_file_options *options)
 {
-    char began[24], seed[24], duration[32], here[PATH_MAX];
+    char began[24], seed[24], duration[32], here[PATH_MAX], processor[MU_PROCESSOR_MAX];
+    mu_processor(processor);
     snprintf(began, sizeof began, "%" PRIu64, mu_clock_wall_ns());
     snprintf(seed, sizeof seed, "%" PRIu64, options->seed);
     snprintf(duration, sizeof duration, "%.17g", options->duration_s);
@@ -146,6 +148,9 @@ static void table_write(struct mcap_file *f, const struct mcap_file_options *opt
         {"muster", MU_VERSION},
         {"cyclonedds", bus_version()},
         {"ode", ode_world_version()},
+        {"arithmetic", MU_ARITHMETIC},
+        {"architecture", mu_architecture()},
+        {"processor", processor},
         {"record", f->without_percepts ? "run" : "full"},
         {"began_wall_ns", began},
         {"log_time", "simulated time, nanoseconds from the start of the run"},

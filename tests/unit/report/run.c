@@ -353,7 +353,7 @@ static void test_words_of_the_page(void)
     input.hash = "0123";
     CU_ASSERT_EQUAL_FATAL(write_report(two_robots), MU_OK);
     CU_ASSERT(file_has("report.html", "not everything as expected"));
-    CU_ASSERT(file_has("report.html", "The same seed gives the same hash, on processors of"));
+    CU_ASSERT(file_has("report.html", "The same seed gives the same hash, on every"));
     CU_ASSERT_STRING_EQUAL(result.texts[0], "0 of all things within 1 m of 0, 0 at the end");
     input.hash = "none";
     experiment = before;
