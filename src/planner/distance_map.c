@@ -14,8 +14,8 @@ double distance_to_shape(const struct world_shape *shape, double x_m, double y_m
     if (shape->kind == WORLD_DISC) {
         return fmax(0, hypot(dx, dy) - shape->radius_m);
     }
-    double c = cos(shape->pose.heading_rad);
-    double s = sin(shape->pose.heading_rad);
+    double s, c;
+    sincos(shape->pose.heading_rad, &s, &c);
     double along = fmax(0, fabs(c * dx + s * dy) - shape->half_x_m);
     double across = fmax(0, fabs(c * dy - s * dx) - shape->half_y_m);
     return hypot(along, across);

@@ -34,8 +34,7 @@ void odometer_run(struct odometer *o, double forward_m_s, double turn_rad_s, dou
     double way = o->forward_gain * forward_m_s * dt_s;
     if (half != 0 || o->turned) {
         o->pose.heading_rad = odometer_turn(o->pose.heading_rad, half);
-        o->c = cos(o->pose.heading_rad);
-        o->s = sin(o->pose.heading_rad);
+        sincos(o->pose.heading_rad, &o->s, &o->c);
         o->pose.heading_rad = odometer_turn(o->pose.heading_rad, half);
         o->turned = half != 0;
     }

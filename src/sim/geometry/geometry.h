@@ -22,7 +22,9 @@ struct frame {
 
 static inline struct frame frame_of(struct world_pose pose)
 {
-    return (struct frame){pose.x_m, pose.y_m, cos(pose.heading_rad), sin(pose.heading_rad)};
+    struct frame frame = {.x = pose.x_m, .y = pose.y_m};
+    sincos(pose.heading_rad, &frame.s, &frame.c);
+    return frame;
 }
 
 /** @return the frame `inner`, which is given in `outer`, in the frame in which `outer` is given */

@@ -3,16 +3,16 @@
 
 struct solid solid_box(struct world_pose middle, double half_x_m, double half_y_m)
 {
-    return (struct solid){.kind = WORLD_BOX,
-                          .returns = SOLID_ALL,
-                          .owner = SOLID_NOBODY,
-                          .x = middle.x_m,
-                          .y = middle.y_m,
-                          .c = cos(middle.heading_rad),
-                          .s = sin(middle.heading_rad),
-                          .half_x = half_x_m,
-                          .half_y = half_y_m,
-                          .reach = sqrt(half_x_m * half_x_m + half_y_m * half_y_m)};
+    struct solid box = {.kind = WORLD_BOX,
+                        .returns = SOLID_ALL,
+                        .owner = SOLID_NOBODY,
+                        .x = middle.x_m,
+                        .y = middle.y_m,
+                        .half_x = half_x_m,
+                        .half_y = half_y_m,
+                        .reach = sqrt(half_x_m * half_x_m + half_y_m * half_y_m)};
+    sincos(middle.heading_rad, &box.s, &box.c);
+    return box;
 }
 
 struct solid solid_disc(double x_m, double y_m, double radius_m)
@@ -33,8 +33,8 @@ struct solid solid_of_shape(const struct world_shape *shape)
     struct solid solid = shape->kind == WORLD_DISC
                              ? solid_disc(shape->pose.x_m, shape->pose.y_m, shape->radius_m)
                              : solid_box(shape->pose, shape->half_x_m, shape->half_y_m);
-    solid.c = cos(shape->pose.heading_rad); /* a disc may bear a number, which has a heading */
-    solid.s = sin(shape->pose.heading_rad);
+    /* A disc may bear a number, which has a heading. */
+    sincos(shape->pose.heading_rad, &solid.s, &solid.c);
     solid_look(&solid, &shape->look);
     return solid;
 }

@@ -5,8 +5,8 @@
 
 struct world_pose world_pose_in(struct world_pose frame, struct world_pose pose)
 {
-    double c = cos(frame.heading_rad);
-    double s = sin(frame.heading_rad);
+    double s, c;
+    sincos(frame.heading_rad, &s, &c);
     double heading = remainder(frame.heading_rad + pose.heading_rad, 2 * M_PI);
     return (struct world_pose){.x_m = frame.x_m + c * pose.x_m - s * pose.y_m,
                                .y_m = frame.y_m + s * pose.x_m + c * pose.y_m,
@@ -15,8 +15,8 @@ struct world_pose world_pose_in(struct world_pose frame, struct world_pose pose)
 
 struct world_pose world_pose_from(struct world_pose frame, struct world_pose pose)
 {
-    double c = cos(frame.heading_rad);
-    double s = sin(frame.heading_rad);
+    double s, c;
+    sincos(frame.heading_rad, &s, &c);
     double x = pose.x_m - frame.x_m;
     double y = pose.y_m - frame.y_m;
     struct world_pose turned = {0, 0, pose.heading_rad - frame.heading_rad};
