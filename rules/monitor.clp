@@ -25,6 +25,10 @@
   (slot nearest-distance) (slot nearest-time)
   (slot goal-time) (slot at-goal)) ; nil without a goal
 
+(deftemplate agent            ; of the run, without a body
+  (slot name) (slot state)
+  (slot sent) (slot received) (slot fired))
+
 (deftemplate team
   (slot distance) (slot stalls) (slot explored) (slot most-efficient)
   (slot sent) (slot received) (slot fired))

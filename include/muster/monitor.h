@@ -66,6 +66,13 @@ struct mu_robot_view {
     uint64_t firings, mails_sent, mails_received;
 };
 
+/* An agent without a body, and its totals since the start. */
+struct mu_agent_view {
+    const char *name;
+    enum mu_state state;
+    uint64_t firings, mails_sent, mails_received;
+};
+
 struct mu_object_view {
     const char *name;
     double x_m, y_m, heading_rad;
@@ -94,6 +101,8 @@ struct mu_frame {
     const struct mu_object_view *objects;
     const struct mu_act_view *acts;
     const struct mu_mail *outside; /* mails from outside the run, taken in this step */
+    size_t agent_count;
+    const struct mu_agent_view *agents; /* those that the run began with, in its order */
 };
 
 /* How a run ended. */

@@ -40,6 +40,13 @@ struct mu_stats_robot {
     double goal_s; /* how long it took there; until it is there, how long it has been on its way */
 };
 
+/* One agent without a body, of those that the run began with. */
+struct mu_stats_agent {
+    char name[MU_NAME_MAX + 1];
+    enum mu_state state;
+    uint64_t mails_sent, mails_received, firings;
+};
+
 /* All of them. */
 struct mu_stats_team {
     int64_t step; /* of the last Frame; -1: none yet */
@@ -50,10 +57,10 @@ struct mu_stats_team {
     double efficiency_m_s;      /* of that one */
     double distance_m;          /* these are sums */
     uint64_t stalls;
-    uint64_t mails_sent, mails_received, firings;
-    uint64_t mails_outside; /* seen, from outside the run */
-    uint64_t missed;        /* steps that were not seen */
-    uint64_t pairs_refused; /* approaches for which there was no room */
+    uint64_t mails_sent, mails_received, firings; /* of agents without a body, too */
+    uint64_t mails_outside;                       /* seen, from outside the run */
+    uint64_t missed;                              /* steps that were not seen */
+    uint64_t pairs_refused;                       /* approaches for which there was no room */
 };
 
 /* How near two robots have come to each other, centre to centre. */
@@ -90,7 +97,14 @@ size_t mu_stats_count(const mu_stats *s);
  *          that changes s */
 const struct mu_stats_robot *mu_stats_robot(const mu_stats *s, size_t index);
 
-/** @return all robots together */
+/** @return how many agents without a body the last Frame had */
+size_t mu_stats_agent_count(const mu_stats *s);
+
+/** @return the index-th agent without a body, in the order of the run, or NULL; good until the next
+ *          call of a function that changes s */
+const struct mu_stats_agent *mu_stats_agent(const mu_stats *s, size_t index);
+
+/** @return all robots and agents together */
 struct mu_stats_team mu_stats_team(const mu_stats *s);
 
 /**

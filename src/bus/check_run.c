@@ -165,6 +165,15 @@ static bool views_ok(const muster_RobotView *views, uint32_t count)
     return fit;
 }
 
+static bool agents_ok(const muster_AgentView *agents, uint32_t count)
+{
+    bool fit = count <= MU_AGENTS_MAX;
+    for (uint32_t i = 0; fit && i < count; i++) {
+        fit = is_name(agents[i].name);
+    }
+    return fit;
+}
+
 static bool orders_ok(const muster_RunCommand *orders, uint32_t count)
 {
     bool fit = count <= MU_ORDERS_MAX;
@@ -180,6 +189,7 @@ bool check_frame(const void *sample)
     return is_process(f->simulator) && f->acts._length <= MU_FRAME_ACTS_MAX &&
            f->percepts._length <= MU_ROBOTS_MAX && f->outside._length <= MU_FRAME_MAILS_MAX &&
            views_ok(f->robots._buffer, f->robots._length) &&
+           agents_ok(f->agents._buffer, f->agents._length) &&
            objects_ok(f->objects._buffer, f->objects._length) &&
            percepts_ok(f->percepts._buffer, f->percepts._length) &&
            check_acts(f->acts._buffer, f->acts._length) &&

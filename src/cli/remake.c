@@ -223,18 +223,32 @@ mu_result remake_events(struct recording *recording, const struct run *r, struct
 
 /* --- how it ended ----------------------------------------------------------------------------- */
 
+static void totals_add(struct run *r, const muster_RobotTotals *totals)
+{
+    if (r->totals_count < RUN_TOTALS_MAX) {
+        r->totals[r->totals_count] = *totals;
+        r->totals[r->totals_count++].robot = run_robot_name(r, totals->robot);
+    }
+}
+
 static void totals_fill(struct run *r, const struct recording *recording, const muster_Frame *f)
 {
     r->totals_count = 0;
     for (uint32_t i = 0; i < f->robots._length; i++) {
         const muster_RobotView *v = &f->robots._buffer[i];
         if (is_controlled(recording, i)) {
-            r->totals[r->totals_count++] =
-                (muster_RobotTotals){.robot = run_robot_name(r, v->name),
-                                     .firings = v->firings,
-                                     .mails_sent = v->mails_sent,
-                                     .mails_received = v->mails_received};
+            totals_add(r, &(muster_RobotTotals){.robot = v->name,
+                                                .firings = v->firings,
+                                                .mails_sent = v->mails_sent,
+                                                .mails_received = v->mails_received});
         }
+    }
+    for (uint32_t i = 0; i < f->agents._length; i++) {
+        const muster_AgentView *v = &f->agents._buffer[i];
+        totals_add(r, &(muster_RobotTotals){.robot = v->name,
+                                            .firings = v->firings,
+                                            .mails_sent = v->mails_sent,
+                                            .mails_received = v->mails_received});
     }
 }
 

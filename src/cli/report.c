@@ -67,15 +67,21 @@ static void paths_restore(struct remaking *m)
     }
 }
 
-/* The robots that the simulator drove, which stood in the world. */
-static void driven_take(const struct recording *recording, struct experiment *e)
+/* The robots that the simulator drove, which stood in the world, and agents without a body. */
+static void driven_take(struct recording *recording, struct experiment *e, int64_t step)
 {
     const muster_Scene *scene = recording->scene;
-    e->robots = mu_startup_array(scene->robots._length, sizeof *e->robots);
+    const muster_Frame *f = recording_frame(recording, step);
+    e->robots = mu_startup_array(scene->robots._length + f->agents._length, sizeof *e->robots);
     for (uint32_t i = 0; i < scene->robots._length; i++) {
         if (scene->robots._buffer[i].controlled) {
             e->robots[e->robots_count++].name = scene->robots._buffer[i].name;
         }
+    }
+    e->agents = e->robots + e->robots_count;
+    for (; e->agents_count < f->agents._length; e->agents_count++) {
+        e->agents[e->agents_count].name =
+            mu_startup_string(f->agents._buffer[e->agents_count].name);
     }
 }
 
@@ -115,7 +121,7 @@ static mu_result by_hand_take(struct remaking *m, struct mu_fault *fault)
     r->options.free = strcmp(note(m, "lockstep"), "no") == 0;
     MU_TRY(run_place(r, fault));
     MU_TRY(placed_take(m, fault));
-    driven_take(&m->recording, e);
+    driven_take(&m->recording, e, last->step);
     paths_restore(m);
     return MU_OK;
 }

@@ -33,9 +33,9 @@ static struct top {
     mu_stats *stats;
     bool screen, news; /* news: something has not been shown yet */
     int column;
-    size_t order[MU_ROBOTS_MAX];
+    size_t order[MU_ROBOTS_MAX + MU_AGENTS_MAX];
     struct palette_color colors[MU_ROBOTS_MAX]; /* in the scene's order */
-    size_t first;                               /* robot that is shown at the top */
+    size_t first;                               /* row that is shown at the top */
     uint64_t shown_ns;
     bool ended;
     enum mu_run_end end;
@@ -125,7 +125,7 @@ static void on_end(void *self, const struct mu_run_result *result)
 
 static void table_print(void)
 {
-    size_t count = mu_stats_count(top.stats);
+    size_t count = top_table_rows(top.stats);
     top_table_sort(top.stats, top.column, top.order);
     for (size_t i = 0; set.json && i < count; i++) {
         top_table_json(stdout, top.stats, top.order[i]);
@@ -162,9 +162,19 @@ static void status_draw(void)
     top_screen_line(line, false);
 }
 
+/* Agents without a body have no colour. */
+static void row_draw(size_t row)
+{
+    if (row < mu_stats_count(top.stats)) {
+        top_screen_robot(top.line.bytes, &top.colors[row]);
+    } else {
+        top_screen_line(top.line.bytes, false);
+    }
+}
+
 static void screen_draw(void)
 {
-    size_t wide, high, count = mu_stats_count(top.stats);
+    size_t wide, high, count = top_table_rows(top.stats);
     top_screen_size(&wide, &high);
     size_t rows = high > HEAD_LINES ? high - HEAD_LINES : 0;
     size_t last = count > rows ? count - rows : 0;
@@ -181,7 +191,7 @@ static void screen_draw(void)
     top_screen_line(top.line.bytes, true);
     for (size_t i = top.first; i < count && i - top.first < rows; i++) {
         top_table_row(&top.line, top.stats, top.order[i], columns);
-        top_screen_robot(top.line.bytes, &top.colors[top.order[i]]);
+        row_draw(top.order[i]);
     }
     top_screen_show();
     top.news = false;
@@ -296,7 +306,8 @@ static struct mu_option option_table[] = {
     MU_FLAG("once", set.once, "one table, and end"),
     MU_LIST("goal", "NAME=X,Y[,NEAR]", set.goals,
             "where a robot is to go (m): how long it takes there is shown"),
-    MU_FLAG("json", set.json, "one object a line: each robot at each update, and the end"),
+    MU_FLAG("json", set.json,
+            "one object a line: each robot and agent at each update, and the end"),
 };
 
 static mu_result settings_check(void)
@@ -352,8 +363,8 @@ int top_verb(int argc, char **argv)
     static struct mu_options o = {
         .program = "muster top",
         .usage = "[OPTION...]",
-        .about = "Shows what a run amounts to while it goes on, a line for each robot.  On a "
-                 "terminal s sorts, arrows move, q ends.  It changes nothing in the run.",
+        .about = "Shows what a run amounts to while it goes on, a line for each robot and agent.  "
+                 "On a terminal s sorts, arrows move, q ends.  It changes nothing in the run.",
         .table = option_table,
         .count = sizeof option_table / sizeof option_table[0],
         .no_words = true};

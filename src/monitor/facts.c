@@ -8,8 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-const char *const facts_of_a_step[] = {"step",      "robot", "team", "thing",
-                                       "mail-seen", "fired", NULL};
+const char *const facts_of_a_step[] = {"step",  "robot",     "agent", "team",
+                                       "thing", "mail-seen", "fired", NULL};
 
 static const double MM = 1000;
 static const double DEG = 180 / M_PI;
@@ -158,6 +158,16 @@ static void robot_tell(struct mind *m, const mu_stats *s, size_t robot,
     slots_tell(m, "robot", slots, r->has_goal ? all : all - 2);
 }
 
+static void agent_tell(struct mind *m, const struct mu_stats_agent *a)
+{
+    const struct mind_slot slots[] = {
+        word("name", a->name),        word("state", mu_state_text(a->state)),
+        count("sent", a->mails_sent), count("received", a->mails_received),
+        count("fired", a->firings),
+    };
+    slots_tell(m, "agent", slots, sizeof slots / sizeof slots[0]);
+}
+
 static void team_tell(struct mind *m, const mu_stats *s)
 {
     struct mu_stats_team team = mu_stats_team(s);
@@ -268,6 +278,9 @@ void facts_tell(struct mind *m, const mu_stats *s, const struct mu_frame *f)
     struct mu_text t = mu_text_in(bytes, sizeof bytes);
     for (size_t i = 0; i < f->robot_count && i < mu_stats_count(s); i++) {
         robot_tell(m, s, i, &f->robots[i]);
+    }
+    for (size_t i = 0; i < mu_stats_agent_count(s); i++) {
+        agent_tell(m, mu_stats_agent(s, i));
     }
     team_tell(m, s);
     for (size_t i = 0; i < f->object_count; i++) {

@@ -11,6 +11,7 @@ struct watch_room {
     struct mu_figure robots[MU_ROBOTS_MAX], objects[MU_OBJECTS_MAX];
     struct mu_robot_view robot_views[MU_ROBOTS_MAX];
     struct mu_object_view object_views[MU_OBJECTS_MAX];
+    struct mu_agent_view agent_views[MU_AGENTS_MAX];
     struct mu_act_view acts[MU_FRAME_ACTS_MAX];
     struct mu_mail mails[MU_WATCH_MAILS_MAX];
     size_t mail_count;
@@ -123,6 +124,17 @@ static void objects_fill(struct watch_room *r, const muster_Frame *f)
     }
 }
 
+static void agents_fill(struct watch_room *r, const muster_Frame *f)
+{
+    r->frame.agent_count = at_most(f->agents._length, MU_AGENTS_MAX);
+    r->frame.agents = r->agent_views;
+    for (size_t i = 0; i < r->frame.agent_count; i++) {
+        const muster_AgentView *v = &f->agents._buffer[i];
+        r->agent_views[i] = (struct mu_agent_view){v->name, state_of(v->state), v->firings,
+                                                   v->mails_sent, v->mails_received};
+    }
+}
+
 /* @return the first of them; those without room are counted */
 static const struct mu_mail *mails_fill(struct watch_room *r, const muster_Mail *mails,
                                         size_t length, size_t *count)
@@ -160,6 +172,7 @@ struct mu_frame *watch_frame(struct watch_room *r, const muster_Frame *f)
     r->mail_count = 0;
     robots_fill(r, f);
     objects_fill(r, f);
+    agents_fill(r, f);
     acts_fill(r, f);
     r->frame.outside =
         mails_fill(r, f->outside._buffer, f->outside._length, &r->frame.outside_count);

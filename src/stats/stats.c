@@ -34,6 +34,8 @@ struct mu_stats {
     size_t count;
     struct mu_stats_robot robots[MU_ROBOTS_MAX];
     struct stats_robot own[MU_ROBOTS_MAX];
+    size_t agent_count;
+    struct mu_stats_agent agents[MU_AGENTS_MAX];
     struct stats_word words[MU_STATS_PERFORMATIVES + 1];
     size_t word_count;
     double step_s, time_s, wall_s;
@@ -61,7 +63,7 @@ static void stats_clear(mu_stats *s, size_t robots)
     memset(s->own, 0, sizeof s->own);
     memset(s->words, 0, sizeof s->words);
     s->count = robots < MU_ROBOTS_MAX ? robots : MU_ROBOTS_MAX;
-    s->word_count = 0;
+    s->word_count = s->agent_count = 0;
     s->step = -1;
     s->time_s = s->wall_s = 0;
     s->missed = s->outside = 0;
@@ -142,6 +144,20 @@ static void robot_take(mu_stats *s, size_t i, const struct mu_robot_view *v)
     goal_take(r, own, s->time_s);
     floor_take(s, i, mu_rounded(v->x_m), mu_rounded(v->y_m), v->placed);
     own->seen = true;
+}
+
+static void agents_take(mu_stats *s, const struct mu_frame *f)
+{
+    s->agent_count = f->agent_count < MU_AGENTS_MAX ? f->agent_count : MU_AGENTS_MAX;
+    for (size_t i = 0; i < s->agent_count; i++) {
+        const struct mu_agent_view *v = &f->agents[i];
+        struct mu_stats_agent *a = &s->agents[i];
+        mu_text_copy(a->name, sizeof a->name, v->name);
+        a->state = v->state;
+        a->mails_sent = v->mails_sent;
+        a->mails_received = v->mails_received;
+        a->firings = v->firings;
+    }
 }
 
 /* What changes whenever another robot moves, too. */
@@ -225,6 +241,7 @@ void mu_stats_take(mu_stats *s, const struct mu_frame *f)
     for (size_t i = 0; i < s->count; i++) {
         robot_take(s, i, &f->robots[i]);
     }
+    agents_take(s, f);
     approach_take(s->approach, s->places, s->time_s);
     shares_take(s);
     size_t robot = 0;
@@ -259,6 +276,16 @@ const struct mu_stats_robot *mu_stats_robot(const mu_stats *s, size_t index)
     return index < s->count ? &s->robots[index] : NULL;
 }
 
+size_t mu_stats_agent_count(const mu_stats *s)
+{
+    return s->agent_count;
+}
+
+const struct mu_stats_agent *mu_stats_agent(const mu_stats *s, size_t index)
+{
+    return index < s->agent_count ? &s->agents[index] : NULL;
+}
+
 struct mu_stats_team mu_stats_team(const mu_stats *s)
 {
     struct mu_stats_team t = {.step = s->step,
@@ -281,6 +308,11 @@ struct mu_stats_team mu_stats_team(const mu_stats *s)
             t.most_efficient = r->name;
             t.efficiency_m_s = best_m_s;
         }
+    }
+    for (size_t i = 0; i < s->agent_count; i++) {
+        t.mails_sent += s->agents[i].mails_sent;
+        t.mails_received += s->agents[i].mails_received;
+        t.firings += s->agents[i].firings;
     }
     return t;
 }

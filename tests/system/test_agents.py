@@ -78,6 +78,19 @@ def test_a_recording_of_it_is_the_same_again():
                     f"agents of the report again: {again.stderr}")
 
 
+def test_of_a_run_that_was_killed_the_report_has_their_numbers():
+    with folder() as out, Processes() as processes:
+        p = processes.start(MUSTER, "run", OFFICE, "--out", out / "r", "--rate", "20", "--domain", new_domain())
+        wait_for(lambda: (out / "r/run.mcap").exists(), 20, "the run begins")
+        time.sleep(2)
+        p.kill()
+        p.wait()
+        wait_for(lambda: muster("report", out / "r").returncode in (0, 1), 10, "its processes are gone")
+        boss = json.loads((out / "r/summary.json").read_text())["agents"][0]
+        check_equal(boss["name"], "boss", "the first agent")
+        check(all(boss[key] > 10 for key in ("mail_sent", "mail_received", "rule_firings")), boss)
+
+
 def test_lock_step_and_free_running_have_one_order_of_events():
     """Of each agent by itself: one asks by timers, one answers what it hears."""
     asks = """
@@ -248,6 +261,10 @@ def test_console_page_and_top_of_a_run_without_a_simulator():
         wait_for(lambda: members(domain)["a"]["state"] == "running", 10, "it runs again")
         top = muster("top", "--once", "--domain", domain)
         check_equal(top.returncode, 0, f"top: {top.stdout}{top.stderr}")
+        check("0 robots, 2 agents" in top.stdout, top.stdout)
+        rows = {line.split()[0]: line.split() for line in top.stdout.splitlines()[4:]}
+        check_equal({name: row[1] for name, row in rows.items()}, {"a": "running", "b": "running"}, "rows of top")
+        check(all(int(row[10]) > 5 for row in rows.values()), f"rules fired: {rows}")
 
 
 def test_by_hand_without_a_simulator():

@@ -110,11 +110,14 @@ const char *top_table_key_of(int column);
 /** Adds all keys, separated by commas, for help. */
 void top_table_keys(struct mu_text *out);
 
+/** @return how many rows there are: robots, and behind them agents without a body */
+size_t top_table_rows(const mu_stats *s);
+
 /**
- * Puts robots in order: by name from a on, by a number from the highest down (nearest: up); equal
- * ones stay in the order of the world.
+ * Puts rows in order: by name from a on, by a number from the highest down (nearest: up); equal
+ * ones stay in the order of the world, and what has no body, and so no such number, comes last.
  *
- * @param order  out: indices, mu_stats_count of them
+ * @param order  out: indices, top_table_rows of them
  */
 void top_table_sort(const mu_stats *s, int column, size_t *order);
 
@@ -124,8 +127,8 @@ size_t top_table_columns(size_t wide);
 /** Writes the heads of that many columns; the one that is sorted by has a star. */
 void top_table_head(struct top_line *l, size_t columns, int sorted);
 
-/** Writes a robot's line. */
-void top_table_row(struct top_line *l, const mu_stats *s, size_t robot, size_t columns);
+/** Writes the line of a robot or an agent. */
+void top_table_row(struct top_line *l, const mu_stats *s, size_t row, size_t columns);
 
 /** Writes what all robots came to, in the index-th of TOP_TEAM_LINES lines. */
 enum { TOP_TEAM_LINES = 3 };
@@ -134,8 +137,8 @@ void top_table_team(struct top_line *l, const mu_stats *s, size_t index);
 /** Says how a run ended. */
 void top_table_end(struct top_line *l, const struct mu_run_result *result);
 
-/** Writes one object for a robot. */
-void top_table_json(FILE *to, const mu_stats *s, size_t robot);
+/** Writes one object for a robot or an agent. */
+void top_table_json(FILE *to, const mu_stats *s, size_t row);
 
 /** Writes one object for the end of a run. */
 void top_table_json_end(FILE *to, const mu_stats *s, const struct mu_run_result *result);

@@ -18,6 +18,11 @@ struct column {
     double (*value)(const struct mu_stats_robot *r);
 };
 
+struct row {
+    struct mu_stats_robot r; /* of an agent name, state and what it has of columns */
+    bool body;
+};
+
 static double distance(const struct mu_stats_robot *r)
 {
     return r->distance_m;
@@ -132,6 +137,40 @@ void top_table_keys(struct mu_text *out)
     }
 }
 
+/* --- rows ------------------------------------------------------------------------------------- */
+
+size_t top_table_rows(const mu_stats *s)
+{
+    return mu_stats_count(s) + mu_stats_agent_count(s);
+}
+
+static struct row row_of(const mu_stats *s, size_t index)
+{
+    size_t robots = mu_stats_count(s);
+    struct row row = {.body = index < robots};
+    if (row.body) {
+        row.r = *mu_stats_robot(s, index);
+        return row;
+    }
+    const struct mu_stats_agent *a = mu_stats_agent(s, index - robots);
+    row.r = (struct mu_stats_robot){.state = a->state,
+                                    .mails_sent = a->mails_sent,
+                                    .mails_received = a->mails_received,
+                                    .firings = a->firings};
+    mu_text_copy(row.r.name, sizeof row.r.name, a->name);
+    return row;
+}
+
+static bool is_of_agents(const struct column *c)
+{
+    return c->value == sent || c->value == received || c->value == fired;
+}
+
+static double value_of(const struct column *c, const struct row *row)
+{
+    return c->value && (row->body || is_of_agents(c)) ? c->value(&row->r) : NONE;
+}
+
 /* --- order ------------------------------------------------------------------------------------ */
 
 struct sorting {
@@ -154,26 +193,25 @@ static int numbers_compare(double a, double b, bool rises)
     return rises ? (a > b) - (a < b) : (a < b) - (a > b);
 }
 
-static int robots_compare(const void *one, const void *other, const void *context)
+static int rows_compare(const void *one, const void *other, const void *context)
 {
     const struct sorting *s = context;
     size_t i = *(const size_t *)one, j = *(const size_t *)other;
-    const struct mu_stats_robot *a = mu_stats_robot(s->stats, i);
-    const struct mu_stats_robot *b = mu_stats_robot(s->stats, j);
+    const struct row a = row_of(s->stats, i), b = row_of(s->stats, j);
     const struct column *c = &columns[s->column];
-    int order = c->value ? numbers_compare(c->value(a), c->value(b), c->value == nearest)
-                         : words_compare(s, a, b);
+    int order = c->value ? numbers_compare(value_of(c, &a), value_of(c, &b), c->value == nearest)
+                         : words_compare(s, &a.r, &b.r);
     return order != 0 ? order : (i > j) - (i < j);
 }
 
 void top_table_sort(const mu_stats *s, int column, size_t *order)
 {
     struct sorting sorting = {s, (column % COLUMNS + COLUMNS) % COLUMNS};
-    size_t count = mu_stats_count(s);
+    size_t count = top_table_rows(s);
     for (size_t i = 0; i < count; i++) {
         order[i] = i;
     }
-    mu_sort(order, count, sizeof *order, robots_compare, &sorting);
+    mu_sort(order, count, sizeof *order, rows_compare, &sorting);
 }
 
 /* --- text ------------------------------------------------------------------------------------- */
@@ -208,10 +246,11 @@ void top_table_head(struct top_line *l, size_t count, int sorted)
     }
 }
 
-static void cell_add(struct mu_text *t, const struct column *c, const struct mu_stats_robot *r)
+static void cell_add(struct mu_text *t, const struct column *c, const struct row *row)
 {
     char shown[MU_TEXT_SHOWN];
-    double value = c->value ? c->value(r) : NONE;
+    const struct mu_stats_robot *r = &row->r;
+    double value = value_of(c, row);
     if (c == &columns[NAME]) {
         mu_text_format(t, "%*.*s", c->width, -c->width, mu_text_show(shown, r->name));
     } else if (c == &columns[STATE]) {
@@ -225,22 +264,26 @@ static void cell_add(struct mu_text *t, const struct column *c, const struct mu_
     }
 }
 
-void top_table_row(struct top_line *l, const mu_stats *s, size_t robot, size_t count)
+void top_table_row(struct top_line *l, const mu_stats *s, size_t index, size_t count)
 {
     struct mu_text *t = line_begin(l);
-    const struct mu_stats_robot *r = mu_stats_robot(s, robot);
-    for (size_t i = 0; r && i < count && i < COLUMNS; i++) {
+    const struct row row = row_of(s, index);
+    for (size_t i = 0; i < count && i < COLUMNS; i++) {
         mu_text_add(t, i ? " " : "");
-        cell_add(t, &columns[i], r);
+        cell_add(t, &columns[i], &row);
     }
 }
 
-static void team_world(struct mu_text *t, const struct mu_stats_team *team, size_t robots)
+static void team_world(struct mu_text *t, const struct mu_stats_team *team, const mu_stats *s)
 {
     char shown[MU_TEXT_SHOWN];
     double factor = team->wall_s > 0 ? team->time_s / team->wall_s : 0;
-    mu_text_format(t, "%zu robots, step %" PRId64 ", %.1f s, %.1f x real time", robots, team->step,
-                   team->time_s, factor);
+    mu_text_format(t, "%zu robots, ", mu_stats_count(s));
+    if (mu_stats_agent_count(s) > 0) {
+        mu_text_format(t, "%zu agents, ", mu_stats_agent_count(s));
+    }
+    mu_text_format(t, "step %" PRId64 ", %.1f s, %.1f x real time", team->step, team->time_s,
+                   factor);
     if (team->missed > 0) {
         mu_text_format(t, ", %" PRIu64 " steps not seen", team->missed);
     }
@@ -277,7 +320,7 @@ void top_table_team(struct top_line *l, const mu_stats *s, size_t index)
     struct mu_text *t = line_begin(l);
     struct mu_stats_team team = mu_stats_team(s);
     if (index == 0) {
-        team_world(t, &team, mu_stats_count(s));
+        team_world(t, &team, s);
     } else if (index == 1) {
         team_sums(t, &team);
     } else if (index == 2) {
@@ -334,6 +377,13 @@ static void json_nearest(struct mu_json *j, const mu_stats *s, const struct mu_s
     mu_json_real(j, "nearest_s", known ? r->nearest_s : NONE);
 }
 
+static void json_mails(struct mu_json *j, const struct mu_stats_robot *r)
+{
+    mu_json_uint(j, "mail_sent", r->mails_sent);
+    mu_json_uint(j, "mail_received", r->mails_received);
+    mu_json_uint(j, "rule_firings", r->firings);
+}
+
 static void json_counts(struct mu_json *j, const struct mu_stats_robot *r)
 {
     mu_json_real(j, "distance_m", r->distance_m);
@@ -341,9 +391,6 @@ static void json_counts(struct mu_json *j, const struct mu_stats_robot *r)
     mu_json_real(j, "efficiency_m_s", r->efficiency_m_s);
     mu_json_uint(j, "stalls", r->stalls);
     mu_json_real(j, "stalled_s", r->stalled_s);
-    mu_json_uint(j, "mail_sent", r->mails_sent);
-    mu_json_uint(j, "mail_received", r->mails_received);
-    mu_json_uint(j, "rule_firings", r->firings);
     json_share(j, "explored_fraction", r->explored);
     mu_json_real(j, "goal_s", r->has_goal ? r->goal_s : NONE);
     mu_json_bool(j, "at_goal", r->there);
@@ -358,9 +405,10 @@ static void json_place(struct mu_json *j, const struct mu_stats_robot *r)
     mu_json_bool(j, "stalled", r->stalled);
 }
 
-void top_table_json(FILE *to, const mu_stats *s, size_t robot)
+void top_table_json(FILE *to, const mu_stats *s, size_t index)
 {
-    const struct mu_stats_robot *r = mu_stats_robot(s, robot);
+    const struct row row = row_of(s, index);
+    const struct mu_stats_robot *r = &row.r;
     struct mu_stats_team team = mu_stats_team(s);
     struct mu_json j;
     mu_json_to_file(&j, to, MU_JSON_LINE);
@@ -368,11 +416,16 @@ void top_table_json(FILE *to, const mu_stats *s, size_t robot)
     mu_json_int(&j, "step", team.step);
     mu_json_real(&j, "time_s", team.time_s);
     mu_json_string(&j, "name", r->name);
+    mu_json_string(&j, "kind", row.body ? "robot" : "agent");
     mu_json_string(&j, "state", mu_state_text(r->state));
-    json_place(&j, r);
-    json_counts(&j, r);
-    json_nearest(&j, s, r);
-    mu_json_bool(&j, "most_efficient", team.most_efficient == r->name);
+    json_mails(&j, r);
+    if (row.body) {
+        json_place(&j, r);
+        json_counts(&j, r);
+        json_nearest(&j, s, r);
+        mu_json_bool(&j, "most_efficient",
+                     team.most_efficient && strcmp(team.most_efficient, r->name) == 0);
+    }
     mu_json_end(&j);
 }
 

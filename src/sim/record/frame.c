@@ -108,11 +108,13 @@ static void chains_clear(struct frame_builder *v)
     v->text.used = 0;
 }
 
-static void lines_open(struct frame_builder *v, const struct world *world)
+static void lines_open(struct frame_builder *v, const struct world *world, size_t agents)
 {
     muster_Frame *f = &v->frame;
     f->robots._buffer = mu_startup_array(world->robot_count, sizeof *f->robots._buffer);
     f->robots._length = f->robots._maximum = (uint32_t)world->robot_count;
+    f->agents._buffer = mu_startup_array(agents, sizeof *f->agents._buffer);
+    f->agents._length = f->agents._maximum = (uint32_t)agents;
     f->percepts._buffer = mu_startup_array(world->robot_count, sizeof *f->percepts._buffer);
     f->objects._buffer = mu_startup_array(world->object_count, sizeof *f->objects._buffer);
     f->objects._length = f->objects._maximum = (uint32_t)world->object_count;
@@ -125,7 +127,7 @@ static void lines_open(struct frame_builder *v, const struct world *world)
     }
 }
 
-struct frame_builder *frame_open(const struct world *world, const char *simulator)
+struct frame_builder *frame_open(const struct world *world, const char *simulator, size_t agents)
 {
     struct frame_builder *v = mu_startup_alloc(sizeof *v);
     v->frame.simulator = (char *)(uintptr_t)simulator;
@@ -139,7 +141,7 @@ struct frame_builder *frame_open(const struct world *world, const char *simulato
         v->outside[i].text.bytes = mu_startup_alloc(v->outside[i].text.size);
         v->outside[i].step = -1;
     }
-    lines_open(v, world);
+    lines_open(v, world, agents);
     chains_clear(v);
     return v;
 }
@@ -259,6 +261,11 @@ void frame_add_order(struct frame_builder *v, const muster_RunCommand *order)
 muster_RobotView *frame_robot(struct frame_builder *v, size_t robot)
 {
     return &v->frame.robots._buffer[robot];
+}
+
+muster_AgentView *frame_agent(struct frame_builder *v, size_t agent)
+{
+    return &v->frame.agents._buffer[agent];
 }
 
 static void acts_sort(struct frame_builder *v)

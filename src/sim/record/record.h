@@ -182,8 +182,9 @@ MU_MUST_USE mu_result events_close(struct events *e);
 
 struct frame_builder; /* one in a process */
 
-/** Takes memory at start-up.  @param simulator  its name; must outlive the builder */
-struct frame_builder *frame_open(const struct world *world, const char *simulator);
+/** Takes memory at start-up.  @param simulator  its name; must outlive the builder
+ *  @param agents  how many agents without a body it has */
+struct frame_builder *frame_open(const struct world *world, const char *simulator, size_t agents);
 
 /** Begins the Frame of a step: without percepts and orders.  Acts stay until frame_clear. */
 void frame_begin(struct frame_builder *v, int64_t step, uint64_t time_ns);
@@ -211,6 +212,10 @@ void frame_add_order(struct frame_builder *v, const muster_RunCommand *order);
 
 /** @return the entry of a robot.  The caller sets its state, commands and counters. */
 muster_RobotView *frame_robot(struct frame_builder *v, size_t robot);
+
+/** @return the entry of an agent without a body.  The caller sets all of it; the name is only read.
+ */
+muster_AgentView *frame_agent(struct frame_builder *v, size_t agent);
 
 /** @return the Frame, good until the next call of any of these.  The caller sets digest and
  * wall_ns. */

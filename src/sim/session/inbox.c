@@ -77,9 +77,7 @@ static void up_show(struct session *s, const muster_Up *up, int32_t process)
             continue;
         }
         act_note(s, agent, &up->acts._buffer[i]);
-        if (agent->body >= 0) {
-            observe_act(s, (size_t)agent->body, &up->acts._buffer[i]);
-        }
+        observe_act(s, (size_t)(agent - s->agents.at), &up->acts._buffer[i]);
     }
 }
 

@@ -14,7 +14,7 @@ static const int64_t DRAIN_NS = 200000000;
 mu_result observe_open(struct session *s)
 {
     s->observe.scene = scene_make(s->world);
-    s->observe.frame = frame_open(s->world, s->name);
+    s->observe.frame = frame_open(s->world, s->name, s->totals_count - s->robot_count);
     s->observe.tallies = mu_startup_array(s->robot_count, sizeof *s->observe.tallies);
     MU_TRY(bus_writer_open(s->bus, BUS_SCENE, NULL, NULL, &s->observe.scenes));
     MU_TRY(bus_writer_open(s->bus, BUS_FRAME, "every", NULL, &s->observe.every));
@@ -114,20 +114,35 @@ void observe_order(struct session *s, const muster_RunCommand *order)
 
 /* --- Frames out ------------------------------------------------------------------------------- */
 
+static muster_State state_of(const struct session_agent *agent)
+{
+    return agent && agent->process >= 0 ? agent->state : muster_STATE_ABSENT;
+}
+
 static void robot_finish(struct session *s, size_t robot)
 {
     const struct session_robot *r = &s->robots[robot];
     const muster_RobotTotals *totals = &s->totals[robot].told;
     muster_RobotView *v = frame_robot(s->observe.frame, robot);
     const struct session_agent *agent = &s->agents.at[robot];
-    bool lives = agent->process >= 0;
-    v->state = lives ? agent->state : muster_STATE_ABSENT;
-    v->goal = (char *)(uintptr_t)(lives ? r->goal : ""); /* it is only read */
+    v->state = state_of(agent);
+    v->goal = (char *)(uintptr_t)(agent->process >= 0 ? r->goal : ""); /* it is only read */
     v->command_forward_m_s = r->command_forward_m_s;
     v->command_turn_rad_s = r->command_turn_rad_s;
     v->firings = totals->firings;
     v->mails_sent = totals->mails_sent;
     v->mails_received = totals->mails_received;
+}
+
+static void agent_finish(struct session *s, size_t agent)
+{
+    const muster_RobotTotals *totals = &s->totals[s->robot_count + agent].told;
+    *frame_agent(s->observe.frame, agent) =
+        (muster_AgentView){.name = totals->robot,
+                           .state = state_of(agents_find(&s->agents, totals->robot)),
+                           .firings = totals->firings,
+                           .mails_sent = totals->mails_sent,
+                           .mails_received = totals->mails_received};
 }
 
 /* A Frame that the network refuses is lost: the run does not wait for observers. */
@@ -153,6 +168,9 @@ void observe_finish(struct session *s)
     }
     for (size_t r = 0; r < s->robot_count; r++) {
         robot_finish(s, r);
+    }
+    for (size_t i = s->robot_count; i < s->totals_count; i++) {
+        agent_finish(s, i - s->robot_count);
     }
     muster_Frame *frame = frame_finish(s->observe.frame);
     frame->wall_ns = mu_clock_ns() - s->first_step_wall_ns;

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROBOTS = 4 };
+enum { ROBOTS = 4, AGENTS = 2 };
 
 static mu_stats *stats;
 static struct top_line line;
@@ -32,25 +32,30 @@ static void robots_move(void)
         {.name = "evil", .state = MU_SUSPENDED, .distance_m = 5, .x_m = 3},
         {.name = "blue", .state = MU_RUNNING, .distance_m = 2, .stalls = 9, .y_m = 40},
         {.name = "ash", .state = MU_STANDBY, .stalled = true, .x_m = 0.5}};
+    struct mu_agent_view agents[AGENTS] = {{"clerk", MU_RUNNING, 7, 30, 9},
+                                           {"boss", MU_STANDBY, 0, 2, 1}};
     struct mu_frame frame = {.step = 100,
                              .time_ns = 100 * MU_STEP_NS,
                              .robot_count = ROBOTS,
                              .robots = views,
                              .act_count = 1,
-                             .acts = &act};
+                             .acts = &act,
+                             .agent_count = AGENTS,
+                             .agents = agents};
     mu_stats_begin(stats, &scene);
     mu_stats_take(stats, &frame);
 }
 
-/* The first letters of the robots in order. */
+/* The first letters of the robots in order, and the numbers of the agents. */
 static const char *sorted(const char *key)
 {
-    static char letters[ROBOTS + 1];
-    size_t order[ROBOTS];
+    static char letters[ROBOTS + AGENTS + 1];
+    size_t order[ROBOTS + AGENTS];
     top_table_sort(stats, top_table_key(key), order);
-    for (size_t i = 0; i < ROBOTS; i++) {
-        const char *name = mu_stats_robot(stats, order[i])->name;
-        letters[i] = name[0] == '\x1b' ? 'E' : name[0];
+    for (size_t i = 0; i < ROBOTS + AGENTS; i++) {
+        const struct mu_stats_robot *r = mu_stats_robot(stats, order[i]);
+        letters[i] =
+            r ? (char)(r->name[0] == '\x1b' ? 'E' : r->name[0]) : (char)('0' + order[i] - ROBOTS);
     }
     return letters;
 }
@@ -58,13 +63,14 @@ static const char *sorted(const char *key)
 static void test_order(void)
 {
     robots_move();
-    READS(sorted("name"), "Eabr");
-    READS(sorted("distance"), "Erba"); /* equal ones as in the world */
-    READS(sorted("stalls"), "brEa");
-    READS(sorted("state"), "arbE");
-    READS(sorted("nearest"), "raEb"); /* 0.5, 0.5, 2.5 and far away */
+    READS(sorted("name"), "Eab10r");
+    READS(sorted("distance"), "Erba01"); /* equal ones as in the world */
+    READS(sorted("stalls"), "brEa01");
+    READS(sorted("state"), "a1rb0E");
+    READS(sorted("sent"), "01rEba");
+    READS(sorted("nearest"), "raEb01"); /* 0.5, 0.5, 2.5 and far away */
     CU_ASSERT_EQUAL(mu_stats_goal(stats, "blue", 50, 50, 1), MU_OK);
-    READS(sorted("goal"), "brEa"); /* who has none comes last */
+    READS(sorted("goal"), "brEa01"); /* who has none comes last */
 }
 
 static void test_keys(void)
@@ -127,6 +133,12 @@ static void test_columns_by_width(void)
     READS(line.bytes, "NAME             STATE       DIST m*");
     top_table_row(&line, stats, 3, 3);
     READS(line.bytes, "ash              stalled        0.00");
+    top_table_row(&line, stats, ROBOTS, 3);
+    READS(line.bytes, "clerk            running           -");
+    top_table_team(&line, stats, 0);
+    CU_ASSERT_PTR_NOT_NULL(strstr(line.bytes, "4 robots, 2 agents, step 100"));
+    top_table_team(&line, stats, 2);
+    CU_ASSERT_PTR_NOT_NULL(strstr(line.bytes, "mail 32 sent, 10 received"));
 }
 
 static const char *json_of(size_t robot)
@@ -151,6 +163,9 @@ static void test_json(void)
     CU_ASSERT_PTR_NOT_NULL(strstr(json, "\"most_efficient\": true"));
     CU_ASSERT_PTR_NULL(strchr(json, '\x1b'));
     CU_ASSERT_PTR_EQUAL(strchr(json, '\n'), json + strlen(json) - 1);
+    READS(json_of(ROBOTS), "{\"step\": 100, \"time_s\": 10, \"name\": \"clerk\", "
+                           "\"kind\": \"agent\", \"state\": \"running\", \"mail_sent\": 30, "
+                           "\"mail_received\": 9, \"rule_firings\": 7}\n");
 }
 
 int main(void)

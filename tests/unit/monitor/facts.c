@@ -34,6 +34,8 @@ static const char rules[] =
     " (content $?c)) => (printout t ?f \" \" ?t \" \" ?p \" \" ?v \" \" ?o \" \" (length$ ?c) \" "
     "\" ?c crlf))"
     "(defrule fired (fired ?r ?rule) => (printout t ?r \" fired \" ?rule crlf))"
+    "(defrule agents (agent (name ?a) (state ?s) (sent ?n) (received ?m) (fired ?f)) =>"
+    " (printout t ?a \" \" ?s \" \" ?n \" \" ?m \" \" ?f crlf))"
     "(defrule over (run-ended (how ?h) (hash ?x)) => (printout t ?h \" \" ?x crlf))";
 
 static int mind_make(void)
@@ -107,6 +109,7 @@ static void world_take(struct mu_frame *frame)
     static struct mu_robot_view views[2] = {
         {.name = "red", .state = MU_RUNNING, .x_m = 1.5, .heading_rad = -M_PI},
         {.name = "blue", .state = MU_STANDBY, .x_m = 2.5, .stalled = true}};
+    static struct mu_agent_view agent = {"clerk", MU_RUNNING, 7, 3, 5};
     static struct mu_object_view puck = {"puck", 1, 2, 0};
     static struct mu_act_view act = {
         .agent = "red", .rules = "go go MAIN::stay", .diary = "", .mails = mails, .mail_count = 4};
@@ -119,7 +122,9 @@ static void world_take(struct mu_frame *frame)
                                .act_count = 1,
                                .acts = &act,
                                .outside_count = 1,
-                               .outside = mails + 1};
+                               .outside = mails + 1,
+                               .agent_count = 1,
+                               .agents = &agent};
 }
 
 static void test_a_step_reaches_rules(void)
@@ -140,6 +145,7 @@ static void test_a_step_reaches_rules(void)
                                         "red a,b tell job-1 FALSE 1 (\"{\"a\": 1}\")\n",
                                         "red a,b tell job-1 TRUE 1 (\"{\"a\": 1}\")\n",
                                         "red blue tell nil FALSE 1 (\"(no fields\")\n",
+                                        "clerk running 3 5 7\n",
                                         "red fired go\n",
                                         "red fired MAIN::stay\n"};
     size_t bytes_wanted = 0;

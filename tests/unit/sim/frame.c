@@ -148,7 +148,7 @@ static struct frame_builder *view_start(void)
     physics_robot(2, 0, 0);
     physics_object(1, 1, 0.1);
     CU_ASSERT_FATAL(count < sizeof kept / sizeof kept[0]);
-    return kept[count++] = frame_open(&physics_world, "simulator.1");
+    return kept[count++] = frame_open(&physics_world, "simulator.1", 2);
 }
 
 static muster_Act act_of(const char *agent, const char *rules, muster_Mail *mails, uint32_t count)

@@ -32,7 +32,7 @@ static int begin(void)
     s.bus = &bus;
     s.world = &physics_world;
     s.hash = run_hash_open();
-    s.robot_count = 1;
+    s.robot_count = s.totals_count = 1;
     s.robots = calloc(1, sizeof *s.robots);
     s.totals = calloc(1, sizeof *s.totals);
     agents_open(&s.agents, &physics_world);
