@@ -274,6 +274,12 @@ unsigned experiment_event_find(const struct experiment *e, const char *text);
  * are known before the world is, and what is no robot may be a thing.  As condition_names. */
 int experiment_body_find(const void *experiment, const char *name);
 
+/* The process of a scheme's resolver has the name of its agent. */
+#define EXPERIMENT_RESOLVER "resolver."
+
+/** @return whether a part is the process of a resolver of the experiment */
+bool experiment_is_resolver(const struct experiment *e, const char *part);
+
 /** @return the index of an agent without a body, or -1.  As condition_names. */
 int experiment_agent_find(const void *experiment, const char *name);
 

@@ -67,7 +67,7 @@ static bool is_part(const struct experiment *e, const char *name)
     bool known = strcmp(name, "broker") == 0 || strcmp(name, "simulator") == 0;
     return known || experiment_robot_find(e, name) >= 0 ||
            experiment_find_broker(e, name) < e->brokers_count ||
-           experiment_find_host(e, name) < e->hosts_count;
+           experiment_find_host(e, name) < e->hosts_count || experiment_is_resolver(e, name);
 }
 
 static bool has_body(const struct experiment *e, const char *name)
@@ -80,10 +80,11 @@ static mu_result part_check(struct experiment_source *s, const char *name, int n
 {
     return is_part(s->experiment, name)
                ? MU_OK
-               : experiment_fault(s, NULL, node,
-                                  "no part '%.80s' in this run; expected a robot, a host, broker, "
-                                  "a broker's name, or simulator",
-                                  name);
+               : experiment_fault(
+                     s, NULL, node,
+                     "no part '%.80s' in this run; expected a robot, an agent, a host, "
+                     "resolver.SCHEME, broker, a broker's name, or simulator",
+                     name);
 }
 
 static mu_result object_check(struct experiment_source *s, const struct experiment_chaos *c,

@@ -24,6 +24,17 @@ unsigned experiment_find_host(const struct experiment *e, const char *name)
     return i;
 }
 
+bool experiment_is_resolver(const struct experiment *e, const char *part)
+{
+    size_t prefix = sizeof EXPERIMENT_RESOLVER - 1;
+    bool found = false;
+    for (unsigned i = 0; i < e->resolvers_count && !found; i++) {
+        found = strncmp(part, EXPERIMENT_RESOLVER, prefix) == 0 &&
+                strcmp(part + prefix, e->resolvers[i]) == 0;
+    }
+    return found;
+}
+
 /* @return the index of a broker, or how many there are */
 unsigned experiment_find_broker(const struct experiment *e, const char *name)
 {

@@ -35,7 +35,8 @@ struct chaos {
 
 /* --- parts of the run ------------------------------------------------------------------------- */
 
-/* The child that is meant by a robot's name, a host's, broker, a broker's name, or simulator. */
+/* The child that is meant by a robot's name, an agent's, a host's, a resolver's, broker, a broker's
+ * name, or simulator. */
 static const char *child_of(const struct run *r, const char *part, char name[RUN_CHILD_MAX])
 {
     const struct experiment *e = r->experiment;

@@ -64,7 +64,7 @@ static mu_result return_check(const struct run *r, const struct experiment_chaos
     if (has_host(r, c->who)) {
         return refuse(r, c->mark, fault, c->who, "it does not come back: it lives on a host");
     }
-    if (lockstep && !is_robot(r, c->who)) {
+    if (lockstep && !is_robot(r, c->who) && !experiment_is_resolver(r->experiment, c->who)) {
         return refuse(r, c->mark, fault, c->who,
                       "in lock step it does not come back: the mail of the step is in it alone");
     }

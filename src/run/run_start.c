@@ -337,11 +337,13 @@ static mu_result host_start(struct run *r, const char *host, struct child *again
 
 static mu_result resolver_start(struct run *r, const char *scheme, struct child *again)
 {
+    char name[RUN_CHILD_MAX];
+    snprintf(name, sizeof name, EXPERIMENT_RESOLVER "%s", scheme);
     supervise_words("muster-resolver");
     supervise_word("%s", scheme);
     supervise_word("--domain=%d", r->domain);
     supervise_word("--broker=%s", run_broker(r, 0));
-    return child_start(r, again, scheme, "muster-resolver");
+    return child_start(r, again, name, "muster-resolver");
 }
 
 /* Where the capsules and stores of those are that may be started again. */

@@ -249,8 +249,46 @@ def test_a_resolver_process_is_killed_in_lock_step():
             os.kill(before, signal.SIGKILL)
         check_equal(run.wait(60), 0, "the run")
         wild = json.loads((out / "wild" / "summary.json").read_text())
-        check_equal([(r["process"], r["count"]) for r in wild["restarts"]], [("near", 2)], "who came back")
+        check_equal([(r["process"], r["count"]) for r in wild["restarts"]], [("resolver.near", 2)], "who came back")
         check_equal(wild["hash"], calm["hash"], "the hash")
+
+
+@pytest.mark.parametrize("more", ["on-crash: restart\nchaos:\n  - {at: 1, kill: resolver.near}\n",
+                                  "chaos:\n  - {at: 1, kill: resolver.near, wall_s: 1}\n"
+                                  "  - {at: 2, stop: resolver.near, wall_s: 1}\n"
+                                  "  - {at: 2.5, cut: [resolver.near, broker], wall_s: 1}\n"])
+def test_chaos_strikes_a_resolver_and_the_hash_stays(more):
+    with folder() as out:
+        file = near_experiment(out)
+        file.write_text(file.read_text() + 'expect:\n  - {sequence: ["red told here to near:2.3"]}\n')
+        _, calm = experiment_run(out / "calm", "--domain", new_domain(), file=file)
+        file.write_text(file.read_text() + more)
+        done, wild = experiment_run(out / "wild", "--domain", new_domain(), file=file)
+        check_equal(done.returncode, 0, done.stderr)
+        check(all(c["done"] for c in wild["chaos"]), wild["chaos"])
+        check_equal(wild["hash"], calm["hash"], "the hash")
+
+
+def test_chaos_on_a_resolver_in_free_running():
+    """While it is away mail to its addresses is refused; then it answers again."""
+    with folder() as out:
+        file = near_experiment(out)
+        file.write_text(file.read_text().replace("duration: 3", "duration: 8") +
+                        "chaos:\n  - {at: 2, kill: resolver.near, for: 2}\n")
+        done, summary = experiment_run(out / "free", "--free", "--domain", new_domain(), file=file)
+        check_equal(done.returncode, 0, done.stderr)
+        check(summary["mail"]["refused"] > 0, summary["mail"])
+        received = [r["mail_received"] for r in summary["robots"]]
+        check(all(r > 40 for r in received), f"before and after: {received}")
+
+
+def test_chaos_on_a_resolver_that_there_is_not():
+    with folder() as out:
+        file = near_experiment(out)
+        file.write_text(file.read_text() + "chaos:\n  - {at: 1, kill: resolver.task}\n")
+        done = muster("run", file, "--out", out / "run", "--domain", new_domain())
+        check_equal(done.returncode, 3, done.stderr)
+        check("no part 'resolver.task' in this run" in done.stderr and "resolver.SCHEME" in done.stderr, done.stderr)
 
 
 DESK = """
