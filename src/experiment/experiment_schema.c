@@ -37,40 +37,35 @@ static const struct yaml_key schema_controller[] = {
     {.key = NULL},
 };
 
+/* clang-format off */
+/* The keys of all that have a mind or a program, with a body and without. */
+#define MIND_KEYS                                                                             \
+    {"name", AT(TEXT, experiment_robot, name), .needed = true},                               \
+    {"count", AT(COUNT, experiment_robot, count)},                                            \
+    {"processes", AT(COUNT, experiment_robot, processes)},                                    \
+    {"rules", AT(TEXT, experiment_robot, rules), .set = true},                                \
+    {"controller", AT(KEYS, experiment_robot, controller), .keys = schema_controller},        \
+    {"host", AT(TEXT, experiment_robot, host)},                                               \
+    {"broker", AT(TEXT, experiment_robot, broker)},                                           \
+    {"on-crash", ON_CRASH(experiment_robot)},                                                 \
+    {"checkpoint", AT(REAL, experiment_robot, checkpoint_s), .set = true},                    \
+    {"globals", .kind = YAML_KEY_ANY},                                                        \
+    {"groups", LIST(TEXT, experiment_robot, groups, EXPERIMENT_GROUPS_MAX)},                  \
+    {"services", LIST(TEXT, experiment_robot, services, EXPERIMENT_GROUPS_MAX)}
+/* clang-format on */
+
 static const struct yaml_key schema_robot[] = {
-    {"name", AT(TEXT, experiment_robot, name), .needed = true},
+    MIND_KEYS,
     {"body", AT(TEXT, experiment_robot, body), .set = true},
     {"color", AT(TEXT, experiment_robot, color), .set = true},
     {"pose", NUMBERS(experiment_robot, pose, 3)},
     {"place", AT(TEXT, experiment_robot, place)},
-    {"count", AT(COUNT, experiment_robot, count)},
-    {"processes", AT(COUNT, experiment_robot, processes)},
-    {"rules", AT(TEXT, experiment_robot, rules), .set = true},
-    {"controller", AT(KEYS, experiment_robot, controller), .keys = schema_controller},
-    {"host", AT(TEXT, experiment_robot, host)},
-    {"broker", AT(TEXT, experiment_robot, broker)},
-    {"on-crash", ON_CRASH(experiment_robot)},
-    {"checkpoint", AT(REAL, experiment_robot, checkpoint_s), .set = true},
-    {"globals", .kind = YAML_KEY_ANY},
-    {"groups", LIST(TEXT, experiment_robot, groups, EXPERIMENT_GROUPS_MAX)},
-    {"services", LIST(TEXT, experiment_robot, services, EXPERIMENT_GROUPS_MAX)},
     {.key = NULL},
 };
 
 static const struct yaml_key schema_agent[] = {
-    {"name", AT(TEXT, experiment_robot, name), .needed = true},
-    {"count", AT(COUNT, experiment_robot, count)},
-    {"processes", AT(COUNT, experiment_robot, processes)},
-    {"rules", AT(TEXT, experiment_robot, rules), .set = true},
-    {"controller", AT(KEYS, experiment_robot, controller), .keys = schema_controller},
+    MIND_KEYS,
     {"standby", AT(BOOL, experiment_robot, standby)},
-    {"host", AT(TEXT, experiment_robot, host)},
-    {"broker", AT(TEXT, experiment_robot, broker)},
-    {"on-crash", ON_CRASH(experiment_robot)},
-    {"checkpoint", AT(REAL, experiment_robot, checkpoint_s), .set = true},
-    {"globals", .kind = YAML_KEY_ANY},
-    {"groups", LIST(TEXT, experiment_robot, groups, EXPERIMENT_GROUPS_MAX)},
-    {"services", LIST(TEXT, experiment_robot, services, EXPERIMENT_GROUPS_MAX)},
     {.key = NULL},
 };
 

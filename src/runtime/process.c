@@ -81,15 +81,28 @@ static mu_result bus_enter(mu_process *p, const struct mu_process_options *optio
     return opened;
 }
 
+/* The environment's domain, for a program that names none. */
+static mu_result domain_find(int *domain)
+{
+    const char *text = getenv("MUSTER_DOMAIN");
+    if (*domain != 0 || !text || !*text) {
+        return MU_OK;
+    }
+    char *end, shown[MU_TEXT_SHOWN];
+    long number = strtol(text, &end, 10);
+    if (*end || number < 0 || number > MU_DOMAIN_MAX) {
+        fprintf(stderr, "MUSTER_DOMAIN=%s: expected a whole number from 0 to %d\n",
+                mu_text_show(shown, text), MU_DOMAIN_MAX);
+        return MU_FAULT_USAGE;
+    }
+    *domain = (int)number;
+    return MU_OK;
+}
+
 mu_result mu_process_open(mu_process **out, const struct mu_process_options *options)
 {
     struct mu_process_options own = options ? *options : (struct mu_process_options){0};
-    const char *domain = getenv("MUSTER_DOMAIN");
-    if (own.domain == 0 && domain && *domain) {
-        char *end;
-        own.domain = (int)strtol(domain, &end, 10);
-        own.domain = *end ? -1 : own.domain; /* it is none: bus_open says so */
-    }
+    MU_TRY(domain_find(&own.domain));
     own.domain = own.domain == MU_DOMAIN_ZERO ? 0 : own.domain;
     own.broker = own.broker ? own.broker : getenv("MUSTER_BROKER");
     options = &own;

@@ -284,26 +284,34 @@ def test_the_time_server_and_the_robot():
         check_equal(members(domain)["clock"]["state"], "absent", "the server after its end")
 
 
+# What both kinds of examples/kinds.c answer, in C and in rules.
+KINDS = ((("shop", 4, "cfp"), "4 shop talk propose: price 10"),
+         (("thrifty", 4, "cfp", "20"), "4 thrifty talk propose: price 7"),
+         (("thrifty", 4, "cfp"), "4 thrifty talk propose: price 10"),
+         (("thrifty", 4, "give-back"), "4 thrifty talk refuse: give-back"),
+         (("thrifty", 5, "cfp"), "5 thrifty talk not-understood: cfp"),
+         (("thrifty", 1, "dispose"), "1 thrifty talk refuse: dispose"),
+         (("shop", 2, "state"), "2 shop talk inform: state running"))
+# What those in C answer alone.
+KINDS_C = ((("thrifty", 4, "dance"), "4 thrifty talk not-understood: dance"),
+           (("shop", 1, "clone"), "1 shop talk refuse: clone no-mobility"))
+
+
+def kinds_check(domain, answers):
+    """Both shops are there, and answer so; one lets itself be disposed of."""
+    wait_for(lambda: {"shop", "thrifty"} <= set(members(domain)), 10, "both shops")
+    for words, answer in (*answers, (("shop", 1, "dispose"), "1 shop talk agree: dispose")):
+        check_equal(ask(domain, *words), answer, f"the answer to {words}")
+    wait_for(lambda: members(domain)["shop"]["state"] == "absent", 5, "a shop that is gone")
+    check_equal(members(domain)["thrifty"]["state"], "running", "the other one")
+
+
 def test_the_example_of_kinds():
     domain = new_domain()
     with Processes() as processes:
         broker_start(processes, domain)
         example_start(processes, domain, "kinds")
-        wait_for(lambda: {"shop", "thrifty"} <= set(members(domain)), 10, "both shops")
-        for words, answer in (
-                (("shop", 4, "cfp"), "4 shop talk propose: price 10"),
-                (("thrifty", 4, "cfp", "20"), "4 thrifty talk propose: price 7"),
-                (("thrifty", 4, "cfp"), "4 thrifty talk propose: price 10"),
-                (("thrifty", 4, "give-back"), "4 thrifty talk refuse: give-back"),
-                (("thrifty", 4, "dance"), "4 thrifty talk not-understood: dance"),
-                (("thrifty", 5, "cfp"), "5 thrifty talk not-understood: cfp"),
-                (("thrifty", 1, "dispose"), "1 thrifty talk refuse: dispose"),
-                (("shop", 1, "clone"), "1 shop talk refuse: clone no-mobility"),
-                (("shop", 2, "state"), "2 shop talk inform: state running"),
-                (("shop", 1, "dispose"), "1 shop talk agree: dispose")):
-            check_equal(ask(domain, *words), answer, f"the answer to {words}")
-        wait_for(lambda: members(domain)["shop"]["state"] == "absent", 5, "a shop that is gone")
-        check_equal(members(domain)["thrifty"]["state"], "running", "the other one")
+        kinds_check(domain, KINDS + KINDS_C)
 
 
 def test_the_same_kinds_in_rules():
@@ -313,19 +321,7 @@ def test_the_same_kinds_in_rules():
         broker_start(processes, domain)
         for name in ("shop", "thrifty"):
             processes.start(MUSTER, "agent", name, "--rules", ROOT / f"examples/kinds_{name}.clp", "--domain", domain)
-        wait_for(lambda: {"shop", "thrifty"} <= set(members(domain)), 10, "both shops")
-        for words, answer in (
-                (("shop", 4, "cfp"), "4 shop talk propose: price 10"),
-                (("thrifty", 4, "cfp", "20"), "4 thrifty talk propose: price 7"),
-                (("thrifty", 4, "cfp"), "4 thrifty talk propose: price 10"),
-                (("thrifty", 4, "give-back"), "4 thrifty talk refuse: give-back"),
-                (("thrifty", 5, "cfp"), "5 thrifty talk not-understood: cfp"),
-                (("thrifty", 1, "dispose"), "1 thrifty talk refuse: dispose"),
-                (("shop", 2, "state"), "2 shop talk inform: state running"),
-                (("shop", 1, "dispose"), "1 shop talk agree: dispose")):
-            check_equal(ask(domain, *words), answer, f"the answer to {words}")
-        wait_for(lambda: members(domain)["shop"]["state"] == "absent", 5, "a shop that is gone")
-        check_equal(members(domain)["thrifty"]["state"], "running", "the other one")
+        kinds_check(domain, KINDS)
 
 
 def test_the_example_of_groups_and_services():
@@ -339,3 +335,12 @@ def test_the_example_of_groups_and_services():
         for question, answer in (("groups", "groups arithmetic"), ("services", "services sum")):
             check_equal(ask(domain, "adder", 2, question), f"2 adder talk inform: {answer}",
                         f"the answer to {question}")
+
+
+def test_a_domain_of_the_environment_that_is_none():
+    for domain in ("abc", "-1", "231", "7x"):
+        environment = {**os.environ, "MUSTER_DOMAIN": domain}
+        done = subprocess.run([BUILD / "examples" / "kinds", "0"], env=environment, capture_output=True, text=True,
+                              timeout=20, check=False)
+        check(done.returncode != 0, domain)
+        check_equal(done.stderr, f"MUSTER_DOMAIN={domain}: expected a whole number from 0 to 230\n", domain)
