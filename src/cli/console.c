@@ -26,7 +26,7 @@ enum { INPUT_BYTES = 4096 };
 
 struct console {
     struct operator_options options;
-    const char *line; /* -c; NULL: from standard input */
+    struct mu_option_list lines; /* -c; none: from standard input */
     double watch_s;
     struct operator op;
     struct operator_hooks hooks;
@@ -334,10 +334,11 @@ static void lines_do(struct console *c)
     if (c->watch_s > 0.0) {
         console_link_attach(&c->link);
     }
-    if (c->line) {
-        text_take(c, c->line);
+    for (size_t i = 0; i < c->lines.count; i++) {
+        text_take(c, c->lines.items[i]);
         text_take(c, "\n");
-    } else {
+    }
+    if (c->lines.count == 0) {
         pipe_read(c);
     }
     answers_await(c, 0, false);
@@ -398,7 +399,7 @@ static void console_leave(struct console *c)
 
 static int console_live(struct console *c, const char *agent)
 {
-    bool terminal = !c->line && isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
+    bool terminal = c->lines.count == 0 && isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
     const char *term = getenv("TERM"), *plain = getenv("NO_COLOR");
     c->options.stays = terminal || c->watch_s > 0.0;
     int code = console_join(c, agent);
@@ -426,10 +427,9 @@ static int console_live(struct console *c, const char *agent)
                                                                              : c->link.code;
 }
 
-/* @return whether -c has whole forms; said if not */
-static bool line_check(struct console *c)
+/* @return whether a line of -c has whole forms; said if not */
+static bool line_check(struct console *c, const char *at)
 {
-    const char *at = c->line ? c->line : "";
     enum forms_found found;
     while ((found = forms_next(&c->forms, &at)) == FORMS_READY) {
     }
@@ -445,6 +445,15 @@ static bool line_check(struct console *c)
     return !wrong;
 }
 
+static bool lines_check(struct console *c)
+{
+    bool good = true;
+    for (size_t i = 0; i < c->lines.count && good; i++) {
+        good = line_check(c, c->lines.items[i]);
+    }
+    return good;
+}
+
 int console_verb(int argc, char **argv)
 {
     struct console *c = mu_startup_alloc(sizeof *c);
@@ -454,8 +463,9 @@ int console_verb(int argc, char **argv)
     setlocale(LC_CTYPE, "");
     struct mu_option table[] = {
         OPERATOR_OPTIONS(c->options),
-        MU_STRING("command", "LINE", c->line, "do this line, print its answer, and leave",
-                  .letter = 'c'),
+        MU_LIST("command", "LINE", c->lines,
+                "do this line, print its answer, and leave; may stand several times",
+                .letter = 'c'),
         MU_REAL("wait", "S", c->options.wait_s, "wait so long for an answer", .fallback = "5",
                 .max = 1e6),
         MU_REAL("watch", "S", c->watch_s,
@@ -476,6 +486,6 @@ int console_verb(int argc, char **argv)
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
     }
-    bool good = words_name_check("muster console", "an agent", o.words[0]) && line_check(c);
+    bool good = words_name_check("muster console", "an agent", o.words[0]) && lines_check(c);
     return good ? console_live(c, o.words[0]) : MU_EXIT_USAGE;
 }

@@ -70,6 +70,7 @@ def test_one_line_and_exit_codes():
         policy.write_text("allow operator direct all\ndeny operator direct blue\n")
         with team("red", "blue", policy=policy) as (domain, _):
             check_equal(answer(domain, "red", "(+ 1 2)"), "3\n", "an answer")
+            check_equal(console(domain, "red", "(+ 1 2)", "-c", "(+ 2 2)").stdout, "3\n4\n", "two lines")
             check_equal(answer(domain, "red", '(str-cat "a" b) red ?*mate*'), '"ab"\nred\nnil\n',
                         "three forms")
             for name, line, want, words in (

@@ -37,6 +37,7 @@ WRONG = (
     (("send", "red", os.fsdecode(b"\xff")), "expected content in UTF-8"),
     (("send", "red", "x" * 17000), "expected at most 16384 bytes of content"),
     (("do", "red"), "expected TARGETS 'LINE'"),
+    (("start", "red", "blue"), "muster start: expected TARGETS [OPTION...], for example: muster start red,blue"),
     (("start",), "expected TARGETS"),
     (("step", "red", "x"), "'x': expected a number of rules"),
     (("move", "red"), "expected NAME HOST"),

@@ -25,7 +25,7 @@ const struct verb verbs[] = {
     {"verify", RUN, "FILE", "do a recorded run again, and compare it step by step", "recording"},
 
     {"web", WATCH, "", "the live page of a run, in a browser on this machine", "recording"},
-    {"top", WATCH, "", "what a run amounts to, live: a line for each robot", ""},
+    {"top", WATCH, "", "what a run amounts to, live: a line for each robot and agent", ""},
     {"ps", WATCH, "", "the white pages: every agent and its state", ""},
     {"lookup", WATCH, "NAME", "one line of the white pages", "agent"},
     {"console", WATCH, "NAME", "look into an agent: CLIPS lines, answers, traces", "agent"},
