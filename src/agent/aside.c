@@ -25,11 +25,10 @@ static bool aside_path(const struct robot *r, char path[PATH_MAX])
 static void file_write(const struct robot *r)
 {
     char path[PATH_MAX], bytes[ASIDE_LINES * (MU_ATTRIBUTES_MAX + 80)];
-    struct mu_text t;
     if (!aside_path(r, path)) {
         return;
     }
-    mu_text_init(&t, bytes, sizeof bytes);
+    struct mu_text t = mu_text_in(bytes, sizeof bytes);
     for (size_t i = 0; i < ASIDE_LINES; i++) {
         const struct aside_line *l = &r->asides.lines[i];
         if (l->number > 0) {

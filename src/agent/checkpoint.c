@@ -105,7 +105,6 @@ static void head_add(struct mu_text *out, const struct robot *r)
 static const char *agent_save(struct robot *r, enum mu_state state, struct mu_fault *fault)
 {
     struct checkpoints *k = &r->group->checkpoints;
-    struct mu_text rest;
     struct snapshot_header p = {.purpose = MIGRATION_MOVE,
                                 .state = state,
                                 .mails = r->mails,
@@ -113,7 +112,7 @@ static const char *agent_save(struct robot *r, enum mu_state state, struct mu_fa
     (void)mu_text_copy(p.name, sizeof p.name, r->name);
     mu_text_clear(&k->text);
     head_add(&k->text, r);
-    mu_text_init(&rest, k->text.at + k->text.len, k->text.size - k->text.len);
+    struct mu_text rest = mu_text_in(k->text.at + k->text.len, k->text.size - k->text.len);
     const char *why = agent_write(r, &p, &rest, fault);
     k->text.len += rest.len;
     return why || file_write(k, r->name) ? why : strerror(errno);

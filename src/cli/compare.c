@@ -140,8 +140,7 @@ int compare_verb(int argc, char **argv)
         .program = "muster compare",
         .usage = "DIR... [OPTION...]",
         .about = "Compares runs by their reports: means with 95 % intervals, a table and plots.",
-        .table = option_table,
-        .count = sizeof option_table / sizeof option_table[0]};
+        MU_OPTION_TABLE(option_table)};
     mu_result done = mu_options_parse(&options, argc, argv);
     if (done != MU_OK) {
         return mu_exit_for(done);

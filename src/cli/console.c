@@ -7,7 +7,6 @@
 #include "muster/memory.h"
 #include "operator/operator.h"
 
-#include <errno.h>
 #include <locale.h>
 #include <poll.h>
 #include <signal.h>
@@ -478,8 +477,7 @@ int console_verb(int argc, char **argv)
                             .usage = "NAME [OPTION...]",
                             .about = "A console on an agent: CLIPS lines from the terminal, or "
                                      "from standard input.",
-                            .table = table,
-                            .count = sizeof table / sizeof table[0],
+                            MU_OPTION_TABLE(table),
                             .one = "agent",
                             .example = "red"};
     mu_result parsed = operator_parse(&o, argc, argv, &c->options);

@@ -34,9 +34,7 @@ static void group_print(const mu_process *p, const char *group, bool json)
         printf("%-31s %zu\n", group, members);
         return;
     }
-    struct mu_json j;
-    mu_json_to_file(&j, stdout, MU_JSON_LINE);
-    mu_json_object(&j, NULL);
+    struct mu_json j = mu_json_line(stdout);
     mu_json_string(&j, "group", group);
     mu_json_uint(&j, "members", members);
     mu_json_end(&j);
@@ -62,9 +60,7 @@ static void member_print(const mu_process *p, const char *group, const char *age
         printf("%-31s %-31s %s\n", group, agent, state);
         return;
     }
-    struct mu_json j;
-    mu_json_to_file(&j, stdout, MU_JSON_LINE);
-    mu_json_object(&j, NULL);
+    struct mu_json j = mu_json_line(stdout);
     mu_json_string(&j, "group", group);
     mu_json_string(&j, "agent", agent);
     mu_json_string(&j, "state", state);
@@ -172,8 +168,7 @@ int group_verb(int argc, char **argv)
             "a group that is not there, and stays a member when it is absent.  The last member "
             "that leaves ends it.  With --as, the operator does it for another agent, if the trust "
             "policy lets it direct that one.  muster group send --help has the options of send.",
-        .table = table,
-        .count = sizeof table / sizeof table[0]};
+        MU_OPTION_TABLE(table)};
     mu_result parsed = operator_parse(&o, argc, argv, &options);
     return parsed == MU_OK ? group_run(&o, &options) : mu_exit_for(parsed);
 }

@@ -134,8 +134,7 @@ int launch_verb(int argc, char **argv)
     o = (struct mu_options){.program = "muster launch",
                             .usage = "NAME HOST --rules FILE [OPTION...]",
                             .about = "Begins a new agent on a running host.",
-                            .table = table,
-                            .count = sizeof table / sizeof table[0]};
+                            MU_OPTION_TABLE(table)};
     mu_result parsed = operator_parse(&o, argc, argv, &l.options);
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);

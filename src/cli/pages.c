@@ -101,9 +101,7 @@ static void member_print(const struct mu_member *m, bool json, struct counters *
         }
         return;
     }
-    struct mu_json j;
-    mu_json_to_file(&j, stdout, MU_JSON_LINE);
-    mu_json_object(&j, NULL);
+    struct mu_json j = mu_json_line(stdout);
     mu_json_string(&j, "name", m->name);
     mu_json_string(&j, "kind", mu_kind_text(m->kind));
     mu_json_string(&j, "state", mu_state_text(m->state));
@@ -138,8 +136,7 @@ int pages_verb_ps(int argc, char **argv)
     static struct mu_options o = {.program = "muster ps",
                                   .usage = "[OPTION...]",
                                   .about = "Lists the white pages: every agent and its state.",
-                                  .table = option_table,
-                                  .count = sizeof option_table / sizeof option_table[0],
+                                  MU_OPTION_TABLE(option_table),
                                   .no_words = true};
     mu_result parsed = operator_parse(&o, argc, argv, &options);
     if (parsed != MU_OK) {
@@ -168,8 +165,7 @@ int pages_verb_lookup(int argc, char **argv)
                                   .about =
                                       "Looks one agent up in the white pages; of a part of the "
                                       "broker, what it has counted, too.",
-                                  .table = option_table,
-                                  .count = sizeof option_table / sizeof option_table[0],
+                                  MU_OPTION_TABLE(option_table),
                                   .one = "agent",
                                   .example = "red"};
     mu_result parsed = operator_parse(&o, argc, argv, &options);

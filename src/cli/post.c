@@ -3,7 +3,6 @@
 #include "cli/verbs.h"
 #include "core/address.h"
 #include "core/exits.h"
-#include "core/name.h"
 #include "operator/operator.h"
 
 #include <stdio.h>

@@ -379,8 +379,7 @@ int report_verb(int argc, char **argv)
         .usage = "DIR [OPTION...]",
         .about = "Makes the report of a run again from what lies in its folder; of a run that "
                  "broke off, as far as its run.mcap goes.",
-        .table = option_table,
-        .count = sizeof option_table / sizeof option_table[0],
+        MU_OPTION_TABLE(option_table),
         .one = "folder",
         .example = "out/follow-1"};
     mu_result parsed = mu_options_parse(&o, argc, argv);

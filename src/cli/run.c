@@ -82,8 +82,7 @@ static mu_result options_parse(struct run_options *out, int argc, char **argv)
         .program = "muster run",
         .usage = "FILE [OPTION...]",
         .about = "Runs an experiment with all its processes and leaves a report.",
-        .table = option_table,
-        .count = sizeof option_table / sizeof option_table[0],
+        MU_OPTION_TABLE(option_table),
         .one = "experiment file",
         .example = "experiments/follow.yaml"};
     mu_result parsed = mu_options_parse(&options, argc, argv);

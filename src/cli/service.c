@@ -39,9 +39,7 @@ static void service_print(const mu_process *p, const struct mu_service *s, bool 
         printf("%-31s %-31s %-10s %s\n", s->service, s->agent, state, s->attributes);
         return;
     }
-    struct mu_json j;
-    mu_json_to_file(&j, stdout, MU_JSON_LINE);
-    mu_json_object(&j, NULL);
+    struct mu_json j = mu_json_line(stdout);
     mu_json_string(&j, "service", s->service);
     mu_json_string(&j, "agent", s->agent);
     attributes_print(&j, s->attributes);
@@ -184,8 +182,7 @@ int service_verb(int argc, char **argv)
             "attributes: mapper role=scout 'battery>=0.5' near=2.5,-1,3 (X, Y, RADIUS in m).  A "
             "service is shown only while its agent is there, so add is of use with --as and an "
             "agent that stays; the trust policy must let the operator direct that agent.",
-        .table = table,
-        .count = sizeof table / sizeof table[0]};
+        MU_OPTION_TABLE(table)};
     mu_result parsed = operator_parse(&o, argc, argv, &options);
     return parsed == MU_OK ? service_run(&o, &options, lease_s) : mu_exit_for(parsed);
 }

@@ -365,8 +365,7 @@ int top_verb(int argc, char **argv)
         .usage = "[OPTION...]",
         .about = "Shows what a run amounts to while it goes on, a line for each robot and agent.  "
                  "On a terminal s sorts, arrows move, q ends.  It changes nothing in the run.",
-        .table = option_table,
-        .count = sizeof option_table / sizeof option_table[0],
+        MU_OPTION_TABLE(option_table),
         .no_words = true};
     set.network.domain = -1;
     mu_result parsed = mu_options_parse(&o, argc, argv);

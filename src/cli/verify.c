@@ -179,9 +179,7 @@ static bool is_changed(const struct verify *v)
 
 static void result_json(struct verify *v, const struct difference *d)
 {
-    struct mu_json j;
-    mu_json_to_file(&j, stdout, MU_JSON_LINE);
-    mu_json_object(&j, NULL);
+    struct mu_json j = mu_json_line(stdout);
     mu_json_string(&j, "file", v->file);
     mu_json_bool(&j, "equal", !d);
     mu_json_uint(&j, "steps", v->before.steps_count);
@@ -321,9 +319,7 @@ static int arithmetic_check(const struct verify *v)
         return MU_EXIT_DONE;
     }
     if (chosen.json) {
-        struct mu_json j;
-        mu_json_to_file(&j, stdout, MU_JSON_LINE);
-        mu_json_object(&j, NULL);
+        struct mu_json j = mu_json_line(stdout);
         mu_json_string(&j, "file", v->file);
         mu_json_string(&j, "what", "arithmetic");
         mu_json_string(&j, "recorded", recorded);
@@ -403,8 +399,7 @@ int verify_verb(int argc, char **argv)
                                   .usage = "FILE [OPTION...]",
                                   .about = "Does a recorded run again and says whether it went the "
                                            "same way, or where it did not.",
-                                  .table = option_table,
-                                  .count = sizeof option_table / sizeof option_table[0],
+                                  MU_OPTION_TABLE(option_table),
                                   .one = "recording",
                                   .example = "out/follow-1/run.mcap"};
     mu_result parsed = mu_options_parse(&o, argc, argv);

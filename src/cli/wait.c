@@ -147,8 +147,7 @@ int wait_verb(int argc, char **argv)
         .usage = "[NAME...] [OPTION...]",
         .about =
             "Waits until agents are there, or a service, a broker, hosts or a run: for scripts.",
-        .table = wait_table,
-        .count = sizeof wait_table / sizeof wait_table[0]};
+        MU_OPTION_TABLE(wait_table)};
     mu_result parsed = operator_parse(&o, argc, argv, &wait.options);
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);

@@ -159,9 +159,7 @@ static void ends_json(struct mu_json *j, uint32_t ends)
 
 static void stall_json(const struct teller *t, const struct stall *s, uint32_t ends)
 {
-    struct mu_json j;
-    mu_json_to_file(&j, stdout, MU_JSON_LINE);
-    mu_json_object(&j, NULL);
+    struct mu_json j = mu_json_line(stdout);
     mu_json_string(&j, "robot", ask.robot);
     mu_json_string(&j, "event", "stalled");
     mu_json_real(&j, "from_s", seconds(t, s->from));
@@ -226,7 +224,6 @@ static void stalls_tell(struct teller *t)
 
 static void chain_tell(struct teller *t, int64_t step, uint32_t ends)
 {
-    struct mu_json j;
     if (!ask.json) {
         bool beyond = ask.time_s > seconds(t, step + 1);
         printf("%s at %.1f s%s\n", ask.robot, seconds(t, step),
@@ -234,8 +231,7 @@ static void chain_tell(struct teller *t, int64_t step, uint32_t ends)
         chain_print(t);
         return;
     }
-    mu_json_to_file(&j, stdout, MU_JSON_LINE);
-    mu_json_object(&j, NULL);
+    struct mu_json j = mu_json_line(stdout);
     mu_json_string(&j, "robot", ask.robot);
     mu_json_real(&j, "time_s", seconds(t, step));
     ends_json(&j, ends);
@@ -336,8 +332,7 @@ int why_verb(int argc, char **argv)
                                   .about =
                                       "Says of a recorded run why a robot stalled, drove as it "
                                       "did, or believed a fact.",
-                                  .table = option_table,
-                                  .count = sizeof option_table / sizeof option_table[0]};
+                                  MU_OPTION_TABLE(option_table)};
     mu_result parsed = mu_options_parse(&o, argc, argv);
     parsed = parsed == MU_OK ? words_take(&o, &ask) : parsed;
     if (parsed != MU_OK) {

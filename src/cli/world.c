@@ -46,8 +46,7 @@ int world_verb(int argc, char **argv)
             "switches sensors (all" MU_SENSOR_COMMAS ") of a robot off or on, pace sets the "
             "rate (times real time; 0: as fast as it goes), save writes the state of all bodies "
             "for muster sim --restore into a file that is not there yet.",
-        .table = option_table,
-        .count = sizeof option_table / sizeof option_table[0]};
+        MU_OPTION_TABLE(option_table)};
     run.network.domain = -1;
     mu_result parsed = mu_options_parse(&o, argc, argv);
     if (parsed != MU_OK) {

@@ -104,6 +104,13 @@ void mu_json_object(struct mu_json *j, const char *key)
     json_open(j, key, "{", '}');
 }
 
+struct mu_json mu_json_line(FILE *file)
+{
+    struct mu_json j = {.file = file, .form = MU_JSON_LINE};
+    mu_json_object(&j, NULL);
+    return j;
+}
+
 void mu_json_list(struct mu_json *j, const char *key)
 {
     json_open(j, key, "[", ']');

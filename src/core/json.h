@@ -3,9 +3,7 @@
  * @file json.h
  * Writes JSON: indented for files, or one object per line for `--json`.
  *
- *     struct mu_json j;
- *     mu_json_to_file(&j, stdout, MU_JSON_LINE);
- *     mu_json_object(&j, NULL);
+ *     struct mu_json j = mu_json_line(stdout);
  *     mu_json_string(&j, "name", name);
  *     mu_json_end(&j);
  *
@@ -36,6 +34,9 @@ struct mu_json {
 
 void mu_json_to_file(struct mu_json *j, FILE *file, enum mu_json_form form);
 void mu_json_to_text(struct mu_json *j, struct mu_text *text, enum mu_json_form form);
+
+/** Begins an object that is a line of its own; mu_json_end ends it. */
+struct mu_json mu_json_line(FILE *file);
 
 /* key: NULL inside a list and at the top.  Deeper than MU_JSON_DEPTH_MAX is a bug. */
 void mu_json_object(struct mu_json *j, const char *key);

@@ -81,6 +81,9 @@ struct mu_option {
         .target = true ? &(variable) : (type *)NULL, .help = __VA_ARGS__ \
     }
 
+/* The table of a program. */
+#define MU_OPTION_TABLE(rows) .table = (rows), .count = sizeof(rows) / sizeof(rows)[0]
+
 /* Rows that many programs have. */
 #define MU_OPTION_VERBOSE(flag) MU_FLAG("verbose", flag, "log what happens", .letter = 'v')
 #define MU_OPTION_QUIET(flag)   MU_FLAG("quiet", flag, "say only what goes wrong", .letter = 'q')

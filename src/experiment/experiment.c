@@ -28,8 +28,7 @@ static mu_result experiment_take_folder(struct experiment_source *source)
 {
     struct experiment *e = source->experiment;
     const char *slash = strrchr(source->path, '/');
-    struct mu_text folder;
-    mu_text_init(&folder, e->folder, sizeof e->folder);
+    struct mu_text folder = mu_text_in(e->folder, sizeof e->folder);
     if (slash) {
         size_t len = slash == source->path ? 1 : (size_t)(slash - source->path);
         mu_text_add_bytes(&folder, source->path, len);

@@ -212,8 +212,7 @@ static void text_write(struct experiment_chaos *c)
                                         [CHAOS_CUT] = "cut between",
                                         [CHAOS_LOSE] = "lose between",
                                         [CHAOS_DELAY] = "delay between"};
-    struct mu_text t;
-    mu_text_init(&t, c->text, sizeof c->text);
+    struct mu_text t = mu_text_in(c->text, sizeof c->text);
     mu_text_format(&t, "%s %.40s", words[c->kind], c->who);
     if (c->whom) {
         mu_text_format(&t, " and %.40s", c->whom);

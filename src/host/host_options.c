@@ -28,8 +28,7 @@ mu_result host_options_read(const struct host_options **out, int argc, char **ar
         .program = "muster host",
         .usage = "NAME [OPTION...]",
         .about = "A platform: takes in agents that are launched here, or move here.",
-        .table = own,
-        .count = sizeof own / sizeof own[0]};
+        MU_OPTION_TABLE(own)};
     *out = &options;
     mu_result parsed = options_parse(&program, argc, argv, &options.robots);
     if (parsed != MU_OK) {

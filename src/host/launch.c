@@ -3,7 +3,6 @@
  * Lines between the snapshot's header and the rules of a launched agent: one for each global,
  * "global mate=red", and one for each group, "group scouts".
  */
-#include "core/name.h"
 #include "host/host.h"
 #include "muster/directory.h"
 

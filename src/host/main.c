@@ -10,8 +10,6 @@
 #include "runtime/process.h"
 #include "runtime/transfers.h"
 
-#include <stdio.h>
-
 static mu_result host_connect(struct host *h)
 {
     const struct mu_network *network = &h->set->robots->network;

@@ -2,8 +2,6 @@
 /* What a recording says of itself, kept in memory of fixed size. */
 #include "mcap/mcap_reader.h"
 
-#include "muster/memory.h"
-
 #include <string.h>
 
 void mcap_catalog_reset(struct mcap_reader *r)

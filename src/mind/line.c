@@ -183,12 +183,11 @@ static bool probe_run(struct mind *m, const char *line)
 mu_result mind_probe(struct mind *m, const char *line, struct mu_text *out)
 {
     char sink_bytes[1];
-    struct mu_text sink;
     size_t start = out->len;
     if (!state_has_rules(m) || !mu_probe_is(line) || !probe_is_plain(m, line)) {
         return MU_ABSENT;
     }
-    mu_text_init(&sink, sink_bytes, sizeof sink_bytes);
+    struct mu_text sink = mu_text_in(sink_bytes, sizeof sink_bytes);
     m->out = &sink; /* a watch of facts must not show one asserted for this look */
     struct probe_before before = probe_begin(m);
     m->out = out;

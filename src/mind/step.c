@@ -87,7 +87,8 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act)
     output_of(m)->act = (struct mind_act){.drives = false};
 }
 
-void mind_percept(struct mind *m, const struct mu_percept *percept)
+/* percept NULL: there is none at this time. */
+static void percept_sense(struct mind *m, const struct mu_percept *percept, uint64_t time_ns)
 {
     inputs_of(m)->step++;
     if (!MIND_ENTER(m, STATE_SENSE)) {
@@ -95,26 +96,25 @@ void mind_percept(struct mind *m, const struct mu_percept *percept)
     }
     EnvIncrementGCLocks(m->env); /* no garbage collection before the fields stand in a fact */
     trace_cause(m, 'S', "", "");
-    percept_take(m, percept);
+    if (percept) {
+        percept_take(m, percept);
+    } else {
+        percept_lose(m, time_ns);
+    }
     events_assert(m);
     messages_age(m);
     EnvDecrementGCLocks(m->env);
     (void)mind_leave(m);
 }
 
+void mind_percept(struct mind *m, const struct mu_percept *percept)
+{
+    percept_sense(m, percept, 0);
+}
+
 void mind_feel_nothing(struct mind *m, uint64_t time_ns)
 {
-    inputs_of(m)->step++;
-    if (!MIND_ENTER(m, STATE_SENSE)) {
-        return;
-    }
-    EnvIncrementGCLocks(m->env); /* no garbage collection before the fields stand in a fact */
-    trace_cause(m, 'S', "", "");
-    percept_lose(m, time_ns);
-    events_assert(m);
-    messages_age(m);
-    EnvDecrementGCLocks(m->env);
-    (void)mind_leave(m);
+    percept_sense(m, NULL, time_ns);
 }
 
 void mind_event(struct mind *m, enum mu_event event)
@@ -140,11 +140,10 @@ void mind_event_now(struct mind *m, enum mu_event event, struct mind_act *act)
 void mind_mail_returned(struct mind *m, const char *verb, const char *to, const char *outcome)
 {
     char what[2 * (MU_FIELD_MAX + 1)];
-    struct mu_text t;
     if (!state_has_rules(m) || !inputs_of(m)->event->patternNetwork) {
         return;
     }
-    mu_text_init(&t, what, sizeof what);
+    struct mu_text t = mu_text_in(what, sizeof what);
     mu_text_format(&t, "%s %s", verb, to);
     mind_refused(m, what, outcome);
 }

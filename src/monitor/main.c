@@ -232,8 +232,7 @@ static mu_result command_line_parse(int argc, char **argv)
         .usage = "--rules FILE [OPTION...]",
         .about = "Looks at a run by CLIPS rules: each step is facts, what rules print goes to "
                  "standard output.  It changes nothing in the run unless its rules send mail.",
-        .table = option_table,
-        .count = sizeof option_table / sizeof option_table[0],
+        MU_OPTION_TABLE(option_table),
         .no_words = true};
     mu_result parsed = mu_options_parse(&options, argc, argv);
     if (parsed != MU_OK) {

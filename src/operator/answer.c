@@ -102,9 +102,7 @@ int answer_exit(const struct mu_mail *mail)
 
 static void object_print(const struct mu_mail *mail)
 {
-    struct mu_json j;
-    mu_json_to_file(&j, stdout, MU_JSON_LINE);
-    mu_json_object(&j, NULL);
+    struct mu_json j = mu_json_line(stdout);
     mu_json_string(&j, "from", mail->src);
     mu_json_string(&j, "to", mail->dst);
     mu_json_uint(&j, "seq", mail->seq);

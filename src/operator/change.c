@@ -107,7 +107,6 @@ static int refusal_tell(const char *program, const char *reason)
 int change_make(struct operator* op, const struct operator_options *options, const struct change *c)
 {
     char content[2 * MU_ATTRIBUTES_MAX + 4 * MU_NAME_MAX];
-    struct mu_text t;
     struct answer answer = {.done = false};
     struct operator_options own = *options;
     own.as = NULL;
@@ -115,7 +114,7 @@ int change_make(struct operator* op, const struct operator_options *options, con
     if (code != MU_EXIT_DONE) {
         return code;
     }
-    mu_text_init(&t, content, sizeof content);
+    struct mu_text t = mu_text_in(content, sizeof content);
     mu_text_add(&t, c->content);
     if (options->as && !c->of_nobody) {
         mu_text_format(&t, " %s", options->as);

@@ -6,7 +6,6 @@
 #include "core/exits.h"
 #include "core/json.h"
 #include "core/text.h"
-#include "muster/directory.h"
 #include "muster/memory.h"
 
 #include <math.h>
@@ -222,9 +221,7 @@ static int targets_end(const struct operator* o)
         code = t->code != MU_EXIT_DONE && (code == MU_EXIT_DONE || t->code < code) ? t->code : code;
     }
     if (o->json && (directing.count > 1 || receivers_are_many(directing.what->to))) {
-        struct mu_json j;
-        mu_json_to_file(&j, stdout, MU_JSON_LINE);
-        mu_json_object(&j, NULL);
+        struct mu_json j = mu_json_line(stdout);
         mu_json_uint(&j, "receivers", directing.count);
         mu_json_uint(&j, "done", done);
         mu_json_uint(&j, "refused", refused);

@@ -263,9 +263,7 @@ static void answers_await(struct operator* o, unsigned wanted, uint64_t patience
 
 void operator_outcome_print(const char *to, uint64_t seq, const char *outcome, int code)
 {
-    struct mu_json j;
-    mu_json_to_file(&j, stdout, MU_JSON_LINE);
-    mu_json_object(&j, NULL);
+    struct mu_json j = mu_json_line(stdout);
     mu_json_string(&j, "to", to);
     mu_json_uint(&j, "seq", seq);
     mu_json_string(&j, "outcome", outcome);

@@ -2,7 +2,6 @@
 #include "operator/operator.h"
 
 #include "core/address.h"
-#include "core/name.h"
 #include "muster/directory.h"
 
 #include <stdio.h>

@@ -67,8 +67,7 @@ static mu_result settings_parse(int argc, char **argv)
         .usage = "[TOPIC...] [OPTION...]",
         .about = "Records the topics of a domain until it is interrupted: those that are named, "
                  "or all of muster.",
-        .table = option_table,
-        .count = sizeof option_table / sizeof option_table[0]};
+        MU_OPTION_TABLE(option_table)};
     mu_result parsed = mu_options_parse(&options, argc, argv);
     set.topics = options.words;
     set.topics_count = options.words_count;

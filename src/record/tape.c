@@ -88,14 +88,13 @@ static void partitions_add(struct pairs *p, const char *partitions)
 static void type_attach(struct tape *t, struct tape_channel *c, struct tap *tap)
 {
     static uint8_t bytes[MU_RECORD_TYPE_MAX];
-    struct mu_text name;
     for (uint32_t i = 0; i < t->channel_count; i++) {
         if (t->channels[i].tap == tap) {
             mu_text_copy(c->type, sizeof c->type, t->channels[i].type);
             return;
         }
     }
-    mu_text_init(&name, c->type, sizeof c->type);
+    struct mu_text name = mu_text_in(c->type, sizeof c->type);
     mu_text_add(&name, "types/");
     size_t size = tap_type(tap, bytes, sizeof bytes, &name);
     bool kept =
@@ -141,11 +140,10 @@ static uint32_t channel_add(struct tape *t, const struct tape_channel *added)
     static struct pairs pairs;
     char name_bytes[2 * TAP_NAME_MAX], profile_bytes[PROFILE_BYTES];
     char topic[TAP_NAME_MAX + sizeof GONE_SUFFIX];
-    struct mu_text name, schema, profile;
     uint32_t index = MU_NONE;
-    mu_text_init(&name, name_bytes, sizeof name_bytes);
-    mu_text_init(&schema, schema_bytes, sizeof schema_bytes);
-    mu_text_init(&profile, profile_bytes, sizeof profile_bytes);
+    struct mu_text name = mu_text_in(name_bytes, sizeof name_bytes);
+    struct mu_text schema = mu_text_in(schema_bytes, sizeof schema_bytes);
+    struct mu_text profile = mu_text_in(profile_bytes, sizeof profile_bytes);
     bool said = schema_make(added, &name, &schema);
     tap_profile(added->tap, &added->offer, &profile);
     pairs_make(&pairs, added, profile.at);

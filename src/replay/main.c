@@ -62,8 +62,7 @@ static mu_result settings_parse(int argc, char **argv, const char **path)
         .program = "muster replay",
         .usage = "FILE [OPTION...]",
         .about = "Puts a recording back on DDS, in order, for monitors and tools to look at.",
-        .table = option_table,
-        .count = sizeof option_table / sizeof option_table[0],
+        MU_OPTION_TABLE(option_table),
         .one = "recording",
         .example = "out/follow-1/run.mcap"};
     mu_result parsed = mu_options_parse(&options, argc, argv);

@@ -41,8 +41,7 @@ static bool bearing_next_label(struct bearing *b, unsigned *at, struct bearing_l
         return false;
     }
     double time_s = e->observer[*at].at;
-    struct mu_text text;
-    mu_text_init(&text, label->text, BEARING_LABEL_MAX);
+    struct mu_text text = mu_text_in(label->text, BEARING_LABEL_MAX);
     for (; *at < e->observer_count && fabs(e->observer[*at].at - time_s) < 1e-9; (*at)++) {
         const struct experiment_command *c = &e->observer[*at];
         mu_text_add(&text, text.len ? "; " : "");

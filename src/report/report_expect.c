@@ -100,9 +100,8 @@ static void expect_judge_near(const struct report_expect *x, unsigned i,
     const struct experiment_expectation *expect = &x->input->experiment->expect[i];
     const struct expect_near *near = &x->near[i];
     double share = near->steps ? (double)near->near_steps / (double)near->steps : 0;
-    struct mu_text text, measured;
-    mu_text_init(&text, result->texts[i], sizeof result->texts[i]);
-    mu_text_init(&measured, result->measured[i], sizeof result->measured[i]);
+    struct mu_text text = mu_text_in(result->texts[i], sizeof result->texts[i]);
+    struct mu_text measured = mu_text_in(result->measured[i], sizeof result->measured[i]);
     double end_s = fmin(expect->to_s, x->input->experiment->duration);
     mu_text_format(&text, "%s within %g m of %s for at least %g %% of %g to %g s",
                    expect->near_robot, expect->within_m, expect->near_mate, expect->share * 100,
@@ -124,9 +123,8 @@ static void expect_judge_near(const struct report_expect *x, unsigned i,
 static void expect_judge_inside(const struct report_expect *x, unsigned i,
                                 struct report_result *result)
 {
-    struct mu_text measured;
     mu_text_copy(result->texts[i], sizeof result->texts[i], "no robot outside the arena");
-    mu_text_init(&measured, result->measured[i], sizeof result->measured[i]);
+    struct mu_text measured = mu_text_in(result->measured[i], sizeof result->measured[i]);
     result->judged[i] = true;
     result->met[i] = x->any && x->outside_rows == 0;
     if (x->outside_rows > 0) {
@@ -149,9 +147,8 @@ static void expect_judge_stall(const struct report_expect *x, unsigned i,
             who = x->input->robots[r].name;
         }
     }
-    struct mu_text text, measured;
-    mu_text_init(&text, result->texts[i], sizeof result->texts[i]);
-    mu_text_init(&measured, result->measured[i], sizeof result->measured[i]);
+    struct mu_text text = mu_text_in(result->texts[i], sizeof result->texts[i]);
+    struct mu_text measured = mu_text_in(result->measured[i], sizeof result->measured[i]);
     mu_text_format(&text, "no robot stalled for more than %g s in a row", limit_s);
     mu_text_format(&measured, "%s, %.1f s", who, longest_s);
     result->judged[i] = true;
@@ -179,9 +176,8 @@ static void expect_judge_objects(const struct report_expect *x, unsigned i,
         there += is_meant && far_m <= expect->within_m;
     }
     unsigned wanted = expect->count > 0 ? expect->count : meant;
-    struct mu_text text, measured;
-    mu_text_init(&text, result->texts[i], sizeof result->texts[i]);
-    mu_text_init(&measured, result->measured[i], sizeof result->measured[i]);
+    struct mu_text text = mu_text_in(result->texts[i], sizeof result->texts[i]);
+    struct mu_text measured = mu_text_in(result->measured[i], sizeof result->measured[i]);
     bool all = strcmp(expect->objects, "*") == 0;
     mu_text_format(&text, "%u of %s within %g m of %g, %g at the end", wanted,
                    all ? "all things" : expect->objects, expect->within_m, expect->at->x_m,
@@ -217,8 +213,7 @@ static void expect_judge_statistic(const struct report_data *data, unsigned i)
     int robot;
     enum experiment_statistic statistic = experiment_statistic_find(e, expect->statistic, &robot);
     double value = report_statistic(data, statistic, robot);
-    struct mu_text text;
-    mu_text_init(&text, result->texts[i], sizeof result->texts[i]);
+    struct mu_text text = mu_text_in(result->texts[i], sizeof result->texts[i]);
     mu_text_format(&text, "%s", expect->statistic);
     if (isfinite(expect->at_least)) {
         mu_text_format(&text, " at least %g", expect->at_least);

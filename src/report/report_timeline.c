@@ -50,12 +50,11 @@ static void text_beside(const struct timeline *t, double px, const char *text)
 static void command_draw(struct timeline *t, const struct experiment_command *c)
 {
     char text[TIME_TEXT_MAX + 8];
-    struct mu_text label;
     double px = svg_scale_px(&t->x, c->at), y = t->y_px + TIME_ROW / 2.0;
     if (c->at > t->x.to || !row_take(t)) {
         return;
     }
-    mu_text_init(&label, text, sizeof text);
+    struct mu_text label = mu_text_in(text, sizeof text);
     for (unsigned i = 0; i < c->targets_count; i++) {
         mu_text_format(&label, "%s%s", i ? ", " : "", c->targets[i]);
     }

@@ -49,8 +49,7 @@ static mu_result settings_parse(struct settings *set, int argc, char **argv)
         .program = "muster resolver",
         .usage = "SCHEME [OPTION...]",
         .about = "Says which agents addresses SCHEME:REST mean; SCHEME is role, task or near.",
-        .table = table,
-        .count = sizeof table / sizeof table[0]};
+        MU_OPTION_TABLE(table)};
     mu_result parsed = mu_options_parse(&options, argc, argv);
     if (parsed != MU_OK) {
         return parsed;

@@ -8,7 +8,6 @@
 #include "run/run.h"
 
 #include "core/text.h"
-#include "muster/directory.h"
 #include "muster/memory.h"
 
 #include <stdio.h>

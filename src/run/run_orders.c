@@ -164,12 +164,11 @@ static mu_result command_tell(struct run *r, unsigned index)
 {
     const struct experiment_command *c = &r->experiment->observer[index];
     char names[MU_DST_MAX + 1], label[16];
-    struct mu_text to;
     mu_result sent = MU_OK;
     if (c->launch) {
         return launch_tell(r, index);
     }
-    mu_text_init(&to, names, sizeof names);
+    struct mu_text to = mu_text_in(names, sizeof names);
     snprintf(label, sizeof label, "%u", index);
     for (unsigned t = 0; t < c->targets_count && sent == MU_OK; t++) {
         if (receivers_are_many(c->targets[t])) {

@@ -2,7 +2,6 @@
 /* What dies under `on-crash: restart`: it is started again, a few times and each time later. */
 #include "core/clock.h"
 #include "core/exits.h"
-#include "muster/directory.h"
 #include "run/run.h"
 
 #include <stdio.h>

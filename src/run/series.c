@@ -3,7 +3,6 @@
 
 #include "core/clock.h"
 #include "core/exits.h"
-#include "core/text.h"
 #include "muster/memory.h"
 #include "report/compare/compare.h"
 #include "run/supervise.h"

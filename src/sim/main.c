@@ -94,8 +94,7 @@ static mu_result settings_parse(int argc, char **argv, const char **world)
         .program = "muster sim",
         .usage = "WORLD [OPTION...]",
         .about = "Simulates the robots of a world file and keeps the clock of the run.",
-        .table = option_table,
-        .count = sizeof option_table / sizeof option_table[0],
+        MU_OPTION_TABLE(option_table),
         .one = "world file",
         .example = "worlds/arena.world"};
     mu_result parsed = mu_options_parse(&options, argc, argv);

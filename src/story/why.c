@@ -208,12 +208,11 @@ static void cause_tell(struct chain *c, int32_t line, int deep)
 static void fact_tell(struct chain *c, int32_t line, int deep)
 {
     char words[32];
-    struct mu_text text;
     if (deep >= WHY_DEEP_MAX) {
         c->ends |= WHY_UNKNOWN;
         return;
     }
-    mu_text_init(&text, words, sizeof words);
+    struct mu_text text = mu_text_in(words, sizeof words);
     mu_text_format(&text, "f-%lld ", c->why->minds->lines[line].fact);
     words_add(c, deep, words, line);
     if (was_told(c, line)) {

@@ -57,8 +57,7 @@ static mu_result settings_parse(struct settings *set, int argc, char **argv)
         .about = "Shows a run in a browser on this machine: the world, robots, mail, statistics, "
                  "a console for each robot.  Prints the page's address, with the token that "
                  "is needed to act.  A recording is shown with a slider over its time.",
-        .table = table,
-        .count = sizeof table / sizeof table[0]};
+        MU_OPTION_TABLE(table)};
     set->network.domain = -1;
     mu_result parsed = mu_options_parse(&options, argc, argv);
     if (parsed == MU_OK && options.words_count > 1) {

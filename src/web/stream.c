@@ -41,12 +41,11 @@ static void event_set(struct stream *o, const char *bytes, size_t len)
 /* What it has missed comes first, so that it reads the rest for what it is. */
 static bool losses_take(struct stream *o)
 {
-    struct mu_text text;
     struct mu_json j;
     if (o->missed + o->lost == o->told) {
         return false;
     }
-    mu_text_init(&text, o->event, BOARD_EVENT_MAX);
+    struct mu_text text = mu_text_in(o->event, BOARD_EVENT_MAX);
     board_event_begin(&text, &j, "missed");
     mu_json_object(&j, NULL);
     mu_json_uint(&j, "frames", o->missed);

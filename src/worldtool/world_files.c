@@ -10,8 +10,6 @@
 #include "world/parse/parser.h"
 #include "world/world_load.h"
 
-#include <errno.h>
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -75,9 +73,7 @@ static void check_tell(void *self, const struct mu_fault *fault, bool mistake)
         mu_fault_print_to(stdout, fault, mistake ? "" : "warning: ");
         return;
     }
-    struct mu_json j;
-    mu_json_to_file(&j, stdout, MU_JSON_LINE);
-    mu_json_object(&j, NULL);
+    struct mu_json j = mu_json_line(stdout);
     mu_json_string(&j, "kind", mistake ? "mistake" : "warning");
     mu_json_string(&j, "file", fault->file);
     mu_json_int(&j, "line", fault->line);
@@ -139,10 +135,8 @@ static void check_print(const struct world *w)
 static void check_print_json(const struct world *w, const struct check *check)
 {
     struct check_row rows[CHECK_ROWS];
-    struct mu_json j;
     check_count(w, rows);
-    mu_json_to_file(&j, stdout, MU_JSON_LINE);
-    mu_json_object(&j, NULL);
+    struct mu_json j = mu_json_line(stdout);
     mu_json_string(&j, "kind", "world");
     mu_json_string(&j, "file", w->file);
     mu_json_uint(&j, "mistakes", check->mistakes);

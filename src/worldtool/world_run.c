@@ -163,9 +163,7 @@ static int answer_tell(const struct line *l, const struct request *r)
     if (l->result != muster_ORDER_DONE) {
         fprintf(stderr, "%s: %s\n", r->program, l->reason);
     } else if (r->set->json) {
-        struct mu_json j;
-        mu_json_to_file(&j, stdout, MU_JSON_LINE);
-        mu_json_object(&j, NULL);
+        struct mu_json j = mu_json_line(stdout);
         mu_json_string(&j, "result", "done");
         mu_json_int(&j, "step", l->step);
         mu_json_end(&j);
@@ -193,9 +191,7 @@ static void answer_await(struct line *l, const struct request *r)
 static int waits_tell(const struct request *r)
 {
     if (r->set->json) {
-        struct mu_json j;
-        mu_json_to_file(&j, stdout, MU_JSON_LINE);
-        mu_json_object(&j, NULL);
+        struct mu_json j = mu_json_line(stdout);
         mu_json_string(&j, "result", "waits");
         mu_json_end(&j);
     } else {

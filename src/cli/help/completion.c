@@ -28,8 +28,7 @@ int completion_verb(int argc, char **argv)
             "puts it where the shells look for it.  By hand: source <(muster completion bash).  "
             "With a KIND it prints the words, a line each: agent, target, host, broker, group, "
             "service, run (what lives), experiment, rules, world (what belongs to muster).",
-        .table = option_table,
-        .count = sizeof option_table / sizeof option_table[0]};
+        MU_OPTION_TABLE(option_table)};
     static const struct {
         const char *name;
         bool (*print)(void);

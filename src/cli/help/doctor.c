@@ -35,8 +35,7 @@ static struct mu_options options = {
     .usage = "[OPTION...]",
     .about = "Looks for what may keep muster from running on this machine: network, ports, limits, "
              "processes that were left, files and versions.  A line for each, with its cure.",
-    .table = option_table,
-    .count = sizeof option_table / sizeof option_table[0],
+    MU_OPTION_TABLE(option_table),
     .no_words = true};
 
 /* The smallest exit code of what is wrong; 0: nothing is. */
@@ -55,9 +54,7 @@ static void finding_print(const struct doctor_finding *f)
         }
         return;
     }
-    struct mu_json j;
-    mu_json_to_file(&j, stdout, MU_JSON_LINE);
-    mu_json_object(&j, NULL);
+    struct mu_json j = mu_json_line(stdout);
     mu_json_string(&j, "check", f->check);
     mu_json_string(&j, "state", state_texts[f->state]);
     mu_json_string(&j, "found", f->found);

@@ -50,9 +50,7 @@ bool errors_are_json(int count, char **words)
 void errors_print(int code, const char *message)
 {
     const struct mu_exit_row *row = mu_exit_find(code);
-    struct mu_json j;
-    mu_json_to_file(&j, stderr, MU_JSON_LINE);
-    mu_json_object(&j, NULL);
+    struct mu_json j = mu_json_line(stderr);
     mu_json_string(&j, "error", row->word);
     mu_json_int(&j, "exit", code);
     mu_json_string(&j, "message", message[0] ? message : row->meaning);

@@ -3,7 +3,6 @@
 #include "cli/help/doctor.h"
 #include "cli/help/help.h"
 #include "core/exits.h"
-#include "muster/directory.h"
 #include "operator/operator.h"
 
 #include <stdio.h>

@@ -186,9 +186,7 @@ static int files_make(const struct new_files *f, const char *name)
 static void files_tell(const struct new_files *f)
 {
     if (json) {
-        struct mu_json j;
-        mu_json_to_file(&j, stdout, MU_JSON_LINE);
-        mu_json_object(&j, NULL);
+        struct mu_json j = mu_json_line(stdout);
         mu_json_string(&j, "experiment", f->path[0]);
         mu_json_string(&j, "rules", f->path[1]);
         mu_json_string(&j, "world", f->world);
@@ -209,8 +207,7 @@ int new_verb(int argc, char **argv)
         .usage = "NAME [OPTION...]",
         .about = "Makes NAME.yaml and NAME.clp in the current folder: an experiment that runs at "
                  "once, and the rules of its robot, to change.  What is there already stays.",
-        .table = option_table,
-        .count = sizeof option_table / sizeof option_table[0]};
+        MU_OPTION_TABLE(option_table)};
     static struct new_files f;
     mu_result parsed = mu_options_parse(&o, argc, argv);
     if (parsed != MU_OK) {

@@ -410,9 +410,7 @@ void top_table_json(FILE *to, const mu_stats *s, size_t index)
     const struct row row = row_of(s, index);
     const struct mu_stats_robot *r = &row.r;
     struct mu_stats_team team = mu_stats_team(s);
-    struct mu_json j;
-    mu_json_to_file(&j, to, MU_JSON_LINE);
-    mu_json_object(&j, NULL);
+    struct mu_json j = mu_json_line(to);
     mu_json_int(&j, "step", team.step);
     mu_json_real(&j, "time_s", team.time_s);
     mu_json_string(&j, "name", r->name);
@@ -443,9 +441,7 @@ static void json_mail(struct mu_json *j, const mu_stats *s)
 void top_table_json_end(FILE *to, const mu_stats *s, const struct mu_run_result *result)
 {
     struct mu_stats_team team = mu_stats_team(s);
-    struct mu_json j;
-    mu_json_to_file(&j, to, MU_JSON_LINE);
-    mu_json_object(&j, NULL);
+    struct mu_json j = mu_json_line(to);
     mu_json_string(&j, "end", end_text(result->end));
     mu_json_int(&j, "step", result->step);
     mu_json_real(&j, "time_s", (double)result->time_ns / 1e9);

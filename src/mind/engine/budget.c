@@ -47,10 +47,9 @@ static const char *budget_matched(void *env)
 
 void budget_say(struct mind *m)
 {
-    struct mu_text t;
     const struct expr *call = EvaluationData(m->env)->CurrentExpression;
     const char *matched = budget_matched(m->env);
-    mu_text_init(&t, m->lost, sizeof m->lost);
+    struct mu_text t = mu_text_in(m->lost, sizeof m->lost);
     if (m->state == MIND_FIRING && m->rule) {
         mu_text_format(&t, "rule %.64s", m->rule);
     } else {

@@ -55,8 +55,7 @@ static void complaint_add(struct mu_text *line, const char *said)
 void complaint_show(struct mind *m, const char *kind, const char *name)
 {
     char bytes[ENVIRONMENT_SAID_MAX];
-    struct mu_text line;
-    mu_text_init(&line, bytes, sizeof bytes);
+    struct mu_text line = mu_text_in(bytes, sizeof bytes);
     mu_text_format(&line, "%s %s", kind, name);
     source_lines_add(m, name, &line);
     mu_text_add(&line, ": ");

@@ -245,8 +245,7 @@ void environment_install(struct mind *m)
 bool environment_build(struct mind *m)
 {
     char bytes[512];
-    struct mu_text globals;
-    mu_text_init(&globals, bytes, sizeof bytes);
+    struct mu_text globals = mu_text_in(bytes, sizeof bytes);
     mu_text_format(&globals, "(defglobal ?*my-name* = %s ?*mate* = nil", m->options.name);
     for (size_t i = 0; i < ENVIRONMENT_NUMBERS; i++) {
         mu_text_format(&globals, " ?*%s* = %lld", env_globals[i].name, env_globals[i].value_mm);

@@ -39,8 +39,7 @@ void value_refuse_argument(void *env, const char *function, int index, const cha
                            const DATA_OBJECT *got)
 {
     char bytes[256];
-    struct mu_text text;
-    mu_text_init(&text, bytes, sizeof bytes);
+    struct mu_text text = mu_text_in(bytes, sizeof bytes);
     mu_text_format(&text, "%s as argument #%d, and got ", wanted, index);
     value_describe(env, got, &text);
     value_refuse(env, function, bytes);

@@ -77,7 +77,6 @@ static void builtin_parse(void *env, enum builtin which, DATA_OBJECT *out)
     percept_show(environment_mind(env));         /* the text may build a pattern of it */
     static char bytes[2 * ENVIRONMENT_LINE_MAX]; /* CLIPS copies the text into a symbol at once */
     const char *text;
-    struct mu_text rewritten;
     value_bool(env, out, false);
     if (!value_word(env, builtin_names[which], 1, &text)) {
         return;
@@ -92,7 +91,7 @@ static void builtin_parse(void *env, enum builtin which, DATA_OBJECT *out)
         return;
     }
     source_lines_note(environment_mind(env), text, NULL, 0);
-    mu_text_init(&rewritten, bytes, sizeof bytes);
+    struct mu_text rewritten = mu_text_in(bytes, sizeof bytes);
     syntax_rewrite(&rewritten, text, strlen(text));
     DATA_OBJECT given = {.type = STRING, .value = EnvAddSymbol(env, bytes)};
     struct expr value;

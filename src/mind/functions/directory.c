@@ -133,14 +133,13 @@ static bool attributes_read(void *env, struct mu_text *to, uint64_t *lease_ns)
 void directory_advertise(void *env, DATA_OBJECT *out)
 {
     char bytes[MU_ATTRIBUTES_MAX + 1];
-    struct mu_text attributes;
     const char *service;
     uint64_t lease_ns = 0;
     value_bool(env, out, false);
     if (!group_name(env, "advertise", "a name for a service", &service)) {
         return;
     }
-    mu_text_init(&attributes, bytes, sizeof bytes);
+    struct mu_text attributes = mu_text_in(bytes, sizeof bytes);
     if (attributes_read(env, &attributes, &lease_ns)) {
         group_begin(env, MIND_ADVERTISE, service, bytes, lease_ns, out);
     } else if (!GetEvaluationError(env)) {

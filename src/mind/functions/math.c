@@ -51,40 +51,20 @@ static void math_call(void *env, const char *name, double (*function)(double), D
     value_float(env, out, y);
 }
 
-void math_sind(void *env, DATA_OBJECT *out)
-{
-    math_call(env, "sind", math_sin, out);
-}
+/* A function of one number, which a rule calls by that name. */
+#define MATH_CALL(function, name, of)          \
+    void function(void *env, DATA_OBJECT *out) \
+    {                                          \
+        math_call(env, name, of, out);         \
+    }
 
-void math_cosd(void *env, DATA_OBJECT *out)
-{
-    math_call(env, "cosd", math_cos, out);
-}
-
-void math_tand(void *env, DATA_OBJECT *out)
-{
-    math_call(env, "tand", math_tan, out);
-}
-
-void math_asind(void *env, DATA_OBJECT *out)
-{
-    math_call(env, "asind", math_asin, out);
-}
-
-void math_acosd(void *env, DATA_OBJECT *out)
-{
-    math_call(env, "acosd", math_acos, out);
-}
-
-void math_atand(void *env, DATA_OBJECT *out)
-{
-    math_call(env, "atand", math_atan, out);
-}
-
-void math_norm_angle(void *env, DATA_OBJECT *out)
-{
-    math_call(env, "norm-angle", value_norm_deg, out);
-}
+MATH_CALL(math_sind, "sind", math_sin)
+MATH_CALL(math_cosd, "cosd", math_cos)
+MATH_CALL(math_tand, "tand", math_tan)
+MATH_CALL(math_asind, "asind", math_asin)
+MATH_CALL(math_acosd, "acosd", math_acos)
+MATH_CALL(math_atand, "atand", math_atan)
+MATH_CALL(math_norm_angle, "norm-angle", value_norm_deg)
 
 void math_atan2d(void *env, DATA_OBJECT *out)
 {

@@ -120,12 +120,11 @@ const char *send_address(void *env, const char *function, int index, const char 
 {
     static char names[MU_DST_MAX + 1]; /* one thread uses it, and the port copies it */
     DATA_OBJECT who;
-    struct mu_text to;
     bool good = false;
     if (!value_any(env, index, &who)) {
         return NULL;
     }
-    mu_text_init(&to, names, sizeof names);
+    struct mu_text to = mu_text_in(names, sizeof names);
     if (who.type == MULTIFIELD) {
         good = who_add_names(&to, &who);
     } else if (who_is_word(who.type)) {
@@ -522,7 +521,6 @@ void send_you_do(void *env, DATA_OBJECT *out)
     char group[MU_FIELD_MAX + 1];
     struct mind *m = environment_mind(env);
     struct mind_letter letter = send_blank;
-    struct mu_text line;
     DATA_OBJECT fields;
     value_bool(env, out, false);
     if (!send_fields(env, "you-do", 2, &fields)) {
@@ -540,7 +538,7 @@ void send_you_do(void *env, DATA_OBJECT *out)
         snprintf(group, sizeof group, "group:%s", letter.dst);
         letter.dst = group;
     }
-    mu_text_init(&line, inputs_of(m)->scratch, MU_CONTENT_MAX);
+    struct mu_text line = mu_text_in(inputs_of(m)->scratch, MU_CONTENT_MAX);
     mu_text_add(&line, "(");
     if (!send_content(env, "you-do", &fields, &line)) {
         return;

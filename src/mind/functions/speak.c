@@ -177,7 +177,6 @@ void speak_send(void *env, DATA_OBJECT *out)
 void speak_send_layer(void *env, DATA_OBJECT *out)
 {
     struct mind_letter letter = send_blank;
-    struct mu_text content;
     char question[MU_FIELD_MAX + 1];
     DATA_OBJECT fields;
     value_bool(env, out, false);
@@ -190,7 +189,8 @@ void speak_send_layer(void *env, DATA_OBJECT *out)
     if (!mu_performative_answers(letter.performative)) {
         letter.reply_with = send_question(env, question, sizeof question);
     }
-    mu_text_init(&content, inputs_of(environment_mind(env))->scratch, MU_CONTENT_MAX + 1);
+    struct mu_text content =
+        mu_text_in(inputs_of(environment_mind(env))->scratch, MU_CONTENT_MAX + 1);
     if (letter.dst && send_content(env, "send-layer", &fields, &content)) {
         letter.content = content.at;
         send_hand(env, &letter, out);

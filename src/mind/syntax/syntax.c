@@ -4,7 +4,6 @@
 #include "core/fields.h"
 #include "mind/syntax/number.h"
 
-#include <ctype.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>

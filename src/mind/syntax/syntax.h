@@ -10,7 +10,6 @@
 
 #include "core/text.h"
 
-#include <stdbool.h>
 #include <stddef.h>
 
 /* A deeper nesting could exhaust the stack in the recursive parser of CLIPS. */

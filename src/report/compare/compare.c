@@ -118,8 +118,7 @@ static bool part_differs(const struct compare *c, const struct compare_run *run,
 static void group_name(const struct compare *c, struct compare_group *group, bool several)
 {
     const struct compare_run *run = group->first;
-    struct mu_text name;
-    mu_text_init(&name, group->name, sizeof group->name);
+    struct mu_text name = mu_text_in(group->name, sizeof group->name);
     mu_text_add(&name, several || !c->by ? run->experiment : "");
     mu_text_format(&name, "%s%s", several && c->by ? " " : "", run->value);
     for (unsigned i = 0; i < run->parts_count; i++) {

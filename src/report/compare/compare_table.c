@@ -15,10 +15,9 @@ static const struct {
 
 void compare_label(char label[COMPARE_NAME_MAX + 16], const char *statistic)
 {
-    struct mu_text t;
     size_t len = strlen(statistic);
     const char *unit = NULL;
-    mu_text_init(&t, label, COMPARE_NAME_MAX + 16);
+    struct mu_text t = mu_text_in(label, COMPARE_NAME_MAX + 16);
     for (size_t i = 0; !unit && i < sizeof compare_units / sizeof compare_units[0]; i++) {
         size_t end = strlen(compare_units[i].end);
         if (len > end && strcmp(statistic + len - end, compare_units[i].end) == 0) {
@@ -40,9 +39,7 @@ static void object_print(FILE *to, const struct compare *c, const struct compare
                          unsigned statistic)
 {
     const struct interval *i = &group->statistics[statistic];
-    struct mu_json j;
-    mu_json_to_file(&j, to, MU_JSON_LINE);
-    mu_json_object(&j, NULL);
+    struct mu_json j = mu_json_line(to);
     mu_json_string(&j, "group", group->name);
     mu_json_string(&j, "statistic", c->statistics[statistic]);
     mu_json_uint(&j, "runs", i->count);

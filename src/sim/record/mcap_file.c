@@ -176,11 +176,10 @@ static uint32_t channel_add(struct mcap_file *f, enum bus_topic topic)
 {
     static char schema_bytes[SCHEMA_SIZE];
     char name_bytes[NAME_SIZE], profile_bytes[NAME_SIZE];
-    struct mu_text name, schema, profile;
     uint32_t channel = MU_NONE;
-    mu_text_init(&name, name_bytes, sizeof name_bytes);
-    mu_text_init(&schema, schema_bytes, sizeof schema_bytes);
-    mu_text_init(&profile, profile_bytes, sizeof profile_bytes);
+    struct mu_text name = mu_text_in(name_bytes, sizeof name_bytes);
+    struct mu_text schema = mu_text_in(schema_bytes, sizeof schema_bytes);
+    struct mu_text profile = mu_text_in(profile_bytes, sizeof profile_bytes);
     MU_ASSERT(bus_schema(topic, &name, &schema) == MU_OK);
     bus_profile(topic, &profile);
     const struct mcap_pair pairs[] = {{"offered_qos_profiles", profile.at}};

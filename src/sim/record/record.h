@@ -6,7 +6,6 @@
 #ifndef MUSTER_SIM_RECORD_H
 #define MUSTER_SIM_RECORD_H
 
-#include "bus/bus.h"
 #include "core/options.h"
 #include "muster/limits.h"
 #include "muster/result.h"

@@ -2,7 +2,6 @@
 #include "sim/sensors/sensors.h"
 
 #include "muster/memory.h"
-#include "muster/result.h"
 #include "sim/sensors/models.h"
 #include "sim/sensors/pool.h"
 

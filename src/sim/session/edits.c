@@ -4,7 +4,6 @@
 
 #include "core/clock.h"
 #include "core/log.h"
-#include "core/text.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -26,7 +26,6 @@
 
 #include <stdbool.h>
 #include <stddef.h>
-#include <stdint.h>
 
 enum {
     CONDITION_TEXT_MAX = MU_CONDITION_MAX + 1,

@@ -3,7 +3,6 @@
 
 #include "core/paths.h"
 #include "core/text.h"
-#include "muster/limits.h"
 #include "muster/memory.h"
 #include "world/parse/lexer.h"
 

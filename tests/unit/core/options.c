@@ -26,8 +26,7 @@ static struct mu_option table[] = {
 static struct mu_options options = {.program = "muster run",
                                     .usage = "FILE [OPTION...]",
                                     .about = "Runs an experiment.",
-                                    .table = table,
-                                    .count = sizeof table / sizeof table[0]};
+                                    MU_OPTION_TABLE(table)};
 
 static char folder[] = "/tmp/muster-options-XXXXXX";
 static char config[64];
