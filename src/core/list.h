@@ -68,6 +68,10 @@ static inline uint32_t mu_list_prev(struct mu_links links, uint32_t i)
     return prev > 1 ? prev - 2 : MU_NONE;
 }
 
+/** Goes through a list; none may leave it meanwhile. */
+#define MU_LIST_EACH(i, list, links) \
+    for (uint32_t i = mu_list_first(list); (i) != MU_NONE; (i) = mu_list_next(links, i))
+
 /** Puts an element last, or first.  @return false: it is in a list already */
 bool mu_list_append(struct mu_list *l, struct mu_links links, uint32_t i);
 bool mu_list_prepend(struct mu_list *l, struct mu_links links, uint32_t i);

@@ -2,7 +2,6 @@
 #include "broker/base/base.h"
 
 #include "muster/memory.h"
-#include "muster/result.h"
 
 void alerts_init(struct alerts *e, uint32_t agents)
 {
@@ -27,8 +26,7 @@ bool alerts_next(struct alerts *e, uint64_t now_ns, struct alert *out)
             return false;
         }
         e->ready = e->queue.count;
-        e->pause_until_ns =
-            now_ns > UINT64_MAX - EVENTS_PAUSE_NS ? UINT64_MAX : now_ns + EVENTS_PAUSE_NS;
+        e->pause_until_ns = clock_after_ns(now_ns, EVENTS_PAUSE_NS);
     }
     struct alert *next = &e->all[mu_list_take(&e->queue, MU_LINKS(e->all, link))];
     *out = *next;

@@ -45,6 +45,12 @@ struct clock {
     uint64_t mail_lead_ns; /* the mail clock is so far ahead of the other one, modulo 2^64 */
 };
 
+/** @return so long after a time, or never, which is UINT64_MAX */
+static inline uint64_t clock_after_ns(uint64_t time_ns, uint64_t span_ns)
+{
+    return time_ns > UINT64_MAX - span_ns ? UINT64_MAX : time_ns + span_ns;
+}
+
 /** Takes note of the broker's clock; an earlier time than the last one counts as the last one. */
 static inline void clock_set_now(struct clock *c, uint64_t now_ns)
 {
@@ -162,6 +168,11 @@ static inline uint32_t changelog_next(const struct changelog *c, uint32_t line)
     return mu_list_next(MU_LINKS(c->lines, link), line);
 }
 
+/** Goes through the lines that changed after that version, the oldest first. */
+#define CHANGELOG_EACH(line, log, version)                                 \
+    for (uint32_t line = changelog_after(log, version); (line) != MU_NONE; \
+         (line) = changelog_next(log, line))
+
 /* --- limiter.c ------------------------------------------------------------------------------- */
 
 /*
@@ -241,33 +252,18 @@ const char *alerts_kind_word(enum alert_kind kind);
 /* --- validate.c ------------------------------------------------------------------------------ */
 
 /*
- * Checks of everything that comes from the network, made once; behind it, samples can be trusted
- * to be whole and bounded.
+ * What the border of the bus (bus/check.h) does not know: which words, names and numbers make sense
+ * to a broker.
  */
-
-/** @return whether s is a string of at most max bytes */
-static inline bool validate_string(const char *s, size_t max)
-{
-    return s && (s[0] == '\0' || strnlen(s, max + 1) <= max);
-}
-
-/** Checks the frame of a Registration; its entries are looked at one by one. */
-bool validate_registration(const muster_Registration *r);
 
 /** @return whether what is said of an agent fits; its name may still be no good one */
 bool validate_entry(const muster_Entry *e, bool of_a_broker);
-
-/** Checks the frame of an Up; its mails are looked at one by one. */
-bool validate_up(const muster_Up *up);
 
 /** @return whether a run can be at that step: if it goes by steps, they are counted and timed */
 bool validate_step(int64_t step, uint64_t step_ns, bool by_steps);
 
 /** @return whether these can be the processes of a run; its simulator is none of them */
 bool validate_members(const char *simulator, char *const *processes, uint32_t count);
-
-/** Checks all of a mail but its sender. */
-bool validate_mail(const muster_Mail *m);
 
 /** @return whether a process may have that name, which is a DDS partition, too */
 bool validate_process_name(const char *name);

@@ -38,7 +38,7 @@ uint64_t clock_patience_ns(const struct clock *c, uint64_t wall_ns, uint64_t ste
 static uint64_t now_of(const struct clock *c, uint64_t shows_ns, uint64_t then_ns)
 {
     uint64_t ahead_ns = then_ns > shows_ns ? then_ns - shows_ns : 0;
-    return ahead_ns > UINT64_MAX - c->now_ns ? UINT64_MAX : c->now_ns + ahead_ns;
+    return clock_after_ns(c->now_ns, ahead_ns);
 }
 
 uint64_t clock_now_of_mail_ns(const struct clock *c, uint64_t mail_ns)

@@ -8,11 +8,6 @@ void limiter_init(struct limiter *p, uint32_t agents)
     *p = (struct limiter){.agents = mu_startup_array(agents, sizeof *p->agents)};
 }
 
-static uint64_t pause_end_ns(uint64_t now_ns)
-{
-    return now_ns > UINT64_MAX - LIMITER_PAUSE_NS ? UINT64_MAX : now_ns + LIMITER_PAUSE_NS;
-}
-
 bool limiter_holds(struct limiter *p, uint32_t agent, uint64_t now_ns)
 {
     struct paced *a = &p->agents[agent];
@@ -22,7 +17,7 @@ bool limiter_holds(struct limiter *p, uint32_t agent, uint64_t now_ns)
     }
     if (!mu_list_has(MU_LINKS(p->agents, link),
                      agent)) { /* else others would wait behind it once more */
-        a->until_ns = pause_end_ns(now_ns);
+        a->until_ns = clock_after_ns(now_ns, LIMITER_PAUSE_NS);
     }
     return false;
 }
@@ -38,7 +33,7 @@ uint32_t limiter_next(struct limiter *p, uint64_t now_ns)
     uint32_t agent = MU_NONE;
     if (p->queue.count > 0 && now_ns >= limiter_deadline_ns(p)) {
         agent = mu_list_take(&p->queue, MU_LINKS(p->agents, link));
-        p->agents[agent].until_ns = pause_end_ns(now_ns);
+        p->agents[agent].until_ns = clock_after_ns(now_ns, LIMITER_PAUSE_NS);
     }
     return agent;
 }

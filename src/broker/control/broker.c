@@ -20,8 +20,7 @@ static void broker_enlist(struct broker *b, const struct broker_options *options
         .kind = muster_KIND_SPECIAL, .state = muster_STATE_RUNNING, .pid = options->pid};
     for (uint32_t own = 0; own < REGISTRY_OWN; own++) {
         char name[MU_NAME_MAX + 1];
-        struct mu_text text;
-        mu_text_init(&text, name, sizeof name);
+        struct mu_text text = mu_text_in(name, sizeof name);
         mu_text_format(&text, own ? "broker.%s" : "broker", metrics_part_name(own));
         uint32_t index = registry_add(&b->registry, name);
         MU_ASSERT(index == own);
@@ -75,7 +74,7 @@ void broker_registration(struct broker *b, const muster_Registration *r, uint64_
 {
     broker_enter(b, now_ns);
     retire_tick(b);
-    if (!validate_registration(r)) {
+    if (!validate_process_name(r->process)) {
         b->counters.malformed++;
     } else if (r->is_broker || remote_is_broker(r->process)) {
         federation_hear(b, r);
@@ -88,8 +87,7 @@ void broker_gone(struct broker *b, const char *process, uint32_t part, bool cras
                  uint64_t now_ns)
 {
     broker_enter(b, now_ns);
-    uint32_t place =
-        validate_string(process, MU_PROCESS_MAX) ? processes_find(&b->processes, process) : MU_NONE;
+    uint32_t place = processes_find(&b->processes, process);
     if (place != MU_NONE && b->processes.at[place].kind == PROCESS_BROKER) {
         federation_lose(b, place);
     } else if (place != MU_NONE) {
@@ -109,9 +107,6 @@ static void place_matched(struct broker *b, uint32_t place)
 void broker_matched(struct broker *b, const char *process, bool matched, uint64_t now_ns)
 {
     broker_enter(b, now_ns);
-    if (!validate_string(process, MU_PROCESS_MAX) || !validate_process_name(process)) {
-        return;
-    }
     uint32_t place =
         matched ? processes_get(&b->processes, process) : processes_find(&b->processes, process);
     if (place == MU_NONE) {
@@ -123,8 +118,7 @@ void broker_matched(struct broker *b, const char *process, bool matched, uint64_
         return;
     }
     struct process *at = &b->processes.at[place];
-    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
-         agent = processes_next_agent(&b->registry, &b->processes, agent)) {
+    PROCESSES_EACH_AGENT (b, agent, place) {
         mailbox_unwatch(&b->mailbox, agent);
     }
     at->refusals_count = at->agents_count ? at->refusals_count : 0;
@@ -146,11 +140,6 @@ void broker_hears(struct broker *b, const char *process)
     if (place != MU_NONE && processes_is_matched(&b->processes.at[place])) {
         processes_session_on(&b->processes, place, SESSION_READS_MULTICASTS);
     }
-}
-
-void broker_is_read(struct broker *b, uint32_t readers)
-{
-    multicast_read_by(b, readers);
 }
 
 /* --- what processes send ---------------------------------------------------------------------- */
@@ -259,16 +248,26 @@ static void acks_take(struct broker *b, uint32_t place, const muster_Up *up)
     }
 }
 
+/* Mails are looked at one by one. */
+static bool up_makes_sense(const muster_Up *up)
+{
+    bool good = true;
+    for (uint32_t i = 0; i < up->acts._length && good; i++) {
+        good = (unsigned)up->acts._buffer[i].state <= muster_STATE_ABSENT;
+    }
+    for (uint32_t i = 0; i < up->trips._length && good; i++) {
+        good = up->trips._buffer[i].slot < MU_LOCAL_AGENTS_MAX;
+    }
+    return good;
+}
+
 void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
 {
     broker_enter(b, now_ns);
-    bool good = validate_up(up);
-    uint32_t place = validate_string(up->process, MU_PROCESS_MAX)
-                         ? processes_find(&b->processes, up->process)
-                         : MU_NONE;
+    uint32_t place = processes_find(&b->processes, up->process);
     enum steps_effect effect =
         place != MU_NONE ? steps_effect(&b->steps, place, up->step) : STEPS_IGNORED;
-    if (!good || place == MU_NONE) {
+    if (place == MU_NONE || !up_makes_sense(up)) {
         b->counters.malformed++;
         if (effect == STEPS_INSIDE) {
             step_answered(b, place); /* the others need not wait for a better answer */
@@ -293,61 +292,6 @@ void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
     if (effect == STEPS_INSIDE) {
         step_answered(b, place);
     }
-}
-
-/* --- other brokers -----------------------------------------------------------------------------
- */
-
-void broker_peers(struct broker *b, uint32_t count, uint64_t now_ns)
-{
-    broker_enter(b, now_ns);
-    announce_to(b, count);
-}
-
-void broker_delivery(struct broker *b, const muster_Delivery *d, uint64_t now_ns)
-{
-    broker_enter(b, now_ns);
-    retire_tick(b);
-    relay_take(b, d);
-}
-
-bool broker_announcement(struct broker *b, muster_Registration *out)
-{
-    return announce_next(b, out);
-}
-
-void broker_announced(struct broker *b)
-{
-    announce_done(b);
-}
-
-bool broker_up_next(struct broker *b, const char **peer, muster_Up *out)
-{
-    return relay_up_next(b, peer, out);
-}
-
-void broker_up_sent(struct broker *b)
-{
-    relay_up_sent(b);
-}
-
-/* --- deliveries ------------------------------------------------------------------------------- */
-
-bool broker_next(struct broker *b, const char **process, muster_Delivery *d)
-{
-    MU_ASSERT(b->dispatch.open == MU_NONE);
-    return dispatch_next(b, process, d);
-}
-
-void broker_delivered(struct broker *b, uint64_t now_ns)
-{
-    clock_set_now(&b->clock, now_ns);
-    dispatch_delivered(b);
-}
-
-void broker_undelivered(struct broker *b)
-{
-    dispatch_undelivered(b);
 }
 
 const char *broker_process(const struct broker *b, uint32_t index)

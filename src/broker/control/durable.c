@@ -4,7 +4,7 @@
 #include "broker/control/broker.h"
 
 #include "broker/control/parts.h"
-#include "core/name.h"
+#include "bus/check_fields.h"
 #include "core/text.h"
 
 #include <string.h>
@@ -101,20 +101,14 @@ void durable_committed(struct broker *b, bool ok, uint64_t now_ns)
         marks_clear(b);
     } else {
         j->failures++;
-        j->retry_ns = now_ns > UINT64_MAX - RETRY_NS ? UINT64_MAX : now_ns + RETRY_NS;
+        j->retry_ns = clock_after_ns(now_ns, RETRY_NS);
         mails_failed(b);
     }
 }
 
-/* @return whether a number of mails is one that processes take: the upper half is none */
-static bool is_count(uint64_t number)
-{
-    return number <= INT64_MAX;
-}
-
 static bool name_is_good(const char *name)
 {
-    return validate_string(name, MU_NAME_MAX) && mu_name_valid(name) && strcmp(name, "broker") != 0;
+    return mu_name_valid(name) && strcmp(name, "broker") != 0;
 }
 
 /* An agent of an earlier life is known again. */
@@ -148,7 +142,8 @@ static bool restore_agent(struct broker *b, const struct journal_entry *e)
 {
     bool ended = e->agent_kind == JOURNAL_ENDED;
     bool good = name_is_good(e->name) && (ended || validate_kind_word(e->agent_kind)) &&
-                is_count(e->durable_seq) && is_count(e->failed_seq) && is_count(e->reserved_seq);
+                e->durable_seq <= INT64_MAX && e->failed_seq <= INT64_MAX &&
+                e->reserved_seq <= INT64_MAX;
     uint32_t agent = good ? registry_find(&b->registry, e->name) : MU_NONE;
     if (good && agent == MU_NONE && (ended || registry_is_crowded(&b->registry))) {
         b->registry.roomless += !ended;
@@ -216,8 +211,7 @@ static const char *waiting_read(struct broker *b, struct mail *m, const char *wa
     if (!slash) {
         return waiting;
     }
-    struct mu_text t;
-    mu_text_init(&t, b->journal.text, JOURNAL_WAITING_BYTES);
+    struct mu_text t = mu_text_in(b->journal.text, JOURNAL_WAITING_BYTES);
     mu_text_add_bytes(&t, waiting, (size_t)(slash - waiting));
     return pool_mail_go_on(m, slash + 1) ? t.at : NULL;
 }
@@ -230,8 +224,8 @@ static bool restore_mail(struct broker *b, const struct journal_entry *e)
     }
     j->rows = e->row > j->rows ? e->row : j->rows; /* taken, whatever becomes of it */
     uint32_t sender = agent_named(b, e->letter.src);
-    if (sender == MU_NONE || !validate_mail(&e->letter) || e->letter.seq == 0 ||
-        !is_count(e->letter.seq) || !validate_string(e->waiting, JOURNAL_WAITING_BYTES - 1) ||
+    if (sender == MU_NONE || !check_mails(&e->letter, 1) || !mu_address_valid(e->letter.dst) ||
+        strlen(e->waiting) >= JOURNAL_WAITING_BYTES ||
         (e->letter.hops == 0 && journal_find(j, sender, e->letter.seq))) {
         return false;
     }
@@ -274,12 +268,7 @@ static bool restore_line(struct broker *b, const struct journal_entry *e)
         return false;
     }
     struct journal_slots *s = &b->journal.slots[e->lines];
-    bool taken = validate_string(l->key, MU_NAME_MAX) && mu_name_valid(l->key) &&
-                 validate_string(l->agent, MU_NAME_MAX) &&
-                 (l->agent[0] == '\0' || mu_name_valid(l->agent)) &&
-                 validate_string(l->attributes, MU_ATTRIBUTES_MAX) &&
-                 validate_string(l->origin, MU_FIELD_MAX) && l->stamp_ns <= JOURNAL_NUMBER_MAX &&
-                 line_take(b, e->lines, l);
+    bool taken = l->stamp_ns <= JOURNAL_NUMBER_MAX && line_take(b, e->lines, l);
     s->reset = s->reset || taken;
     if (taken && e->lines == LINES_GROUPS && l->present) {
         agents_named(b, l->agent);

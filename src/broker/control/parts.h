@@ -79,4 +79,11 @@ struct broker {
     char text[MU_CONTENT_MAX + 1];             /* in which an answer is put together */
 };
 
+/** Every call that changes something begins here. */
+static inline void broker_enter(struct broker *b, uint64_t now_ns)
+{
+    MU_ASSERT(b->dispatch.open == MU_NONE); /* the last Delivery's fate is not known yet */
+    clock_set_now(&b->clock, now_ns);
+}
+
 #endif

@@ -75,9 +75,8 @@ bool broker_member(const struct broker *b, uint32_t index, muster_Member *out)
 static void line_write(const struct broker *b, uint32_t agent, char to[BROKER_LINE_MAX])
 {
     muster_Member m;
-    struct mu_text t;
     registry_line(&b->registry, agent, b->name, &m);
-    mu_text_init(&t, to, BROKER_LINE_MAX);
+    struct mu_text t = mu_text_in(to, BROKER_LINE_MAX);
     mu_text_format(&t, "%s %s %s %s %s %s %lu %llu%s%s", m.name, validate_kind_word(m.kind),
                    validate_state_word(m.state), m.broker, m.process[0] ? m.process : "-",
                    m.host[0] ? m.host : "-", (unsigned long)m.pid,

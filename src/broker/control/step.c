@@ -38,8 +38,7 @@ static bool step_is_complete(const struct steps *l)
 
 static void residents_have_heard(struct broker *b, uint32_t place)
 {
-    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
-         agent = processes_next_agent(&b->registry, &b->processes, agent)) {
+    PROCESSES_EACH_AGENT (b, agent, place) {
         receipts_heard(&b->receipts, agent);
     }
 }
@@ -60,8 +59,7 @@ void step_answered(struct broker *b, uint32_t place)
 static void place_enter(struct broker *b, uint32_t place)
 {
     steps_role_on(b, place, ROLE_JOINS);
-    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
-         agent = processes_next_agent(&b->registry, &b->processes, agent)) {
+    PROCESSES_EACH_AGENT (b, agent, place) {
         mailbox_unwatch(&b->mailbox, agent);
         processes_wake_agent(&b->registry, &b->processes,
                              agent); /* its mail may have waited for this */
@@ -79,8 +77,7 @@ static void place_leave(struct broker *b, uint32_t place)
     }
     at->roll_call_due = at->roll_call_due || at->overruled;
     at->overruled = false;
-    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
-         agent = processes_next_agent(&b->registry, &b->processes, agent)) {
+    PROCESSES_EACH_AGENT (b, agent, place) {
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
         processes_wake_agent(&b->registry, &b->processes, agent);
         if (clock_by_steps(&b->clock)) { /* members that stay are not shown its services any more */
@@ -96,8 +93,7 @@ static void place_leave(struct broker *b, uint32_t place)
  * next life, that says it again, and hears of it then. */
 static void turns_drop(struct broker *b, uint32_t place)
 {
-    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
-         agent = processes_next_agent(&b->registry, &b->processes, agent)) {
+    PROCESSES_EACH_AGENT (b, agent, place) {
         struct turn *turn = &b->steps.turns[agent];
         turn->has_ack = turn->has_state = false;
         struct mail *m = steps_pop(&turn->mails);
@@ -125,8 +121,7 @@ static bool roster_names(const muster_Roster *roster, const struct process *at)
 
 static void residents_let_go(struct broker *b, uint32_t place)
 {
-    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
-         agent = processes_next_agent(&b->registry, &b->processes, agent)) {
+    PROCESSES_EACH_AGENT (b, agent, place) {
         b->registry.agents[agent].let_go = true;
     }
 }
@@ -155,8 +150,7 @@ static void roster_shrink(struct broker *b, const muster_Roster *roster)
 /* The others have not been told of these agents while they were outside. */
 static void lines_tell(struct broker *b, uint32_t place)
 {
-    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
-         agent = processes_next_agent(&b->registry, &b->processes, agent)) {
+    PROCESSES_EACH_AGENT (b, agent, place) {
         registry_touch(&b->registry, agent);
         notify_enter(b, agent);
     }

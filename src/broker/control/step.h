@@ -1,20 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file step.h
- * What the files of control share: how a call begins, and the end of a step, in which all that was
- * kept until then takes effect.
+ * What the files of control share: the end of a step, in which all that was kept until then takes
+ * effect.
  */
 #ifndef MUSTER_BROKER_STEP_H
 #define MUSTER_BROKER_STEP_H
 
 #include "broker/control/parts.h"
-
-/** Every call that changes something begins here. */
-static inline void broker_enter(struct broker *b, uint64_t now_ns)
-{
-    MU_ASSERT(b->dispatch.open == MU_NONE); /* the last Delivery's fate is not known yet */
-    clock_set_now(&b->clock, now_ns);
-}
 
 /** All of a process's Up has been collected; the step may end with it. */
 void step_answered(struct broker *b, uint32_t place);

@@ -11,9 +11,7 @@ static uint64_t resend_deadline_ns(const struct broker *b)
     if (agent == MU_NONE) {
         return UINT64_MAX;
     }
-    uint64_t since_ns = b->mailbox.boxes[agent].progress_ns;
-    uint64_t until_ns = since_ns + b->resend_after_ns;
-    return until_ns < since_ns ? UINT64_MAX : until_ns;
+    return clock_after_ns(b->mailbox.boxes[agent].progress_ns, b->resend_after_ns);
 }
 
 static void resend_tick(struct broker *b)

@@ -168,7 +168,7 @@ static void members_fill(struct broker *b, const struct process *at, muster_Deli
         b->dispatch.open_version = at->version_had;
         return;
     }
-    for (uint32_t i = changelog_after(c, at->version_had); i != MU_NONE; i = changelog_next(c, i)) {
+    CHANGELOG_EACH (i, c, at->version_had) {
         uint64_t version = changelog_version(c, i);
         if (version > upto && !line_is_of_step(b, i, at->version_had)) {
             continue;
@@ -260,31 +260,6 @@ static void parts_fill(struct broker *b, muster_Delivery *d)
     }
 }
 
-void compose_return_passed_by(struct broker *b)
-{
-    struct dispatch *c = &b->dispatch;
-    for (uint32_t i = 0; i < c->parts_count; i++) {
-        if (c->parts[i].passed_by) {
-            processes_wake_agent(&b->registry, &b->processes, c->parts[i].agent);
-        }
-    }
-}
-
-void compose_return(struct broker *b, bool taken)
-{
-    struct dispatch *c = &b->dispatch;
-    compose_return_passed_by(b);
-    for (uint32_t i = 0; !taken && i < c->parts_count; i++) {
-        processes_wake_agent(&b->registry, &b->processes, c->parts[i].agent);
-    }
-    for (uint32_t i = 0; taken && i < c->parts_count; i++) {
-        if (c->parts[i].parcels > 0) {
-            processes_wake_agent(&b->registry, &b->processes, c->parts[i].agent);
-        }
-    }
-    c->parts_count = 0;
-}
-
 bool compose_fill(struct broker *b, uint32_t place, muster_Delivery *d)
 {
     struct dispatch *c = &b->dispatch;
@@ -333,18 +308,4 @@ bool compose_fill_word(struct broker *b, uint32_t place, muster_Delivery *d)
         d->glances._length = d->glances._maximum = 1;
     }
     return true;
-}
-
-void compose_end_word(struct broker *b)
-{
-    struct dispatch *c = &b->dispatch;
-    if (c->open_word == WORD_TRIP) {
-        b->processes.at[c->open].serial++;
-        snapshots_sent(b);
-    } else {
-        probes_sent(b);
-    }
-    processes_wake(&b->processes, c->open);
-    c->open = MU_NONE;
-    c->open_word = WORD_NONE;
 }

@@ -53,9 +53,6 @@ struct multicast {
     muster_Mail letters[BUS_CIRCULAR_LETTERS];
 };
 
-/** So many processes read what goes to all, at any broker. */
-void multicast_read_by(struct broker *b, uint32_t readers);
-
 /**
  * Puts the next one together.
  *
@@ -149,18 +146,9 @@ uint64_t pacing_deadline_ns(const struct broker *b);
 /** @return whether there is anything to say */
 bool compose_fill(struct broker *b, uint32_t place, muster_Delivery *d);
 
-/** Agents that had no room are first in the queue of the next Delivery; one that had something may
- * have more. */
-void compose_return(struct broker *b, bool taken);
-
-void compose_return_passed_by(struct broker *b);
-
 /** A word about an agent on its way, or of a probe, waits for nothing, and goes alone.
  * @return whether there is one */
 bool compose_fill_word(struct broker *b, uint32_t place, muster_Delivery *d);
-
-/** A Delivery with such a word is out. */
-void compose_end_word(struct broker *b);
 
 /* --- dispatcher.c ---------------------------------------------------------------------------- */
 
@@ -239,11 +227,6 @@ static inline bool dispatch_is_awake(const struct dispatch *c)
 {
     return c->interval_ns == 0 || c->awake;
 }
-
-/** As broker_next, broker_delivered and broker_undelivered. */
-bool dispatch_next(struct broker *b, const char **process, muster_Delivery *d);
-void dispatch_delivered(struct broker *b);
-void dispatch_undelivered(struct broker *b);
 
 /**
  * Sets the delivery interval: from now on ordinary mail goes to a process at most once in so long;

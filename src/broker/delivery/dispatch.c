@@ -87,8 +87,7 @@ static void dispatch_sleep(struct broker *b)
     if (c->awake && c->worked) {
         c->count.wakings += c->interval_ns > 0;
         c->slept_ns = clock_mail_ns(&b->clock);
-        c->wake_ns = b->clock.now_ns + c->interval_ns;
-        c->wake_ns = c->wake_ns < c->interval_ns ? UINT64_MAX : c->wake_ns;
+        c->wake_ns = clock_after_ns(b->clock.now_ns, c->interval_ns);
     }
     c->awake = c->worked = false;
 }
@@ -101,9 +100,34 @@ void dispatch_set_interval(struct broker *b, uint64_t interval_ns)
 
 /* --- putting together ------------------------------------------------------------------------- */
 
-bool dispatch_next(struct broker *b, const char **process, muster_Delivery *d)
+static void parts_return_passed_by(struct broker *b)
+{
+    struct dispatch *c = &b->dispatch;
+    for (uint32_t i = 0; i < c->parts_count; i++) {
+        if (c->parts[i].passed_by) {
+            processes_wake_agent(&b->registry, &b->processes, c->parts[i].agent);
+        }
+    }
+}
+
+/* Agents that had no room are first in the queue of the next Delivery; one that had something may
+ * have more. */
+static void parts_return(struct broker *b, bool taken)
+{
+    struct dispatch *c = &b->dispatch;
+    parts_return_passed_by(b);
+    for (uint32_t i = 0; i < c->parts_count; i++) {
+        if (!taken || c->parts[i].parcels > 0) {
+            processes_wake_agent(&b->registry, &b->processes, c->parts[i].agent);
+        }
+    }
+    c->parts_count = 0;
+}
+
+bool broker_next(struct broker *b, const char **process, muster_Delivery *d)
 {
     uint32_t place;
+    MU_ASSERT(b->dispatch.open == MU_NONE);
     dispatch_wake(b);
     if (b->multicast.count > 0 && multicast_next(b, d)) {
         b->dispatch.open = PROCESSES_ALL;
@@ -131,7 +155,7 @@ bool dispatch_next(struct broker *b, const char **process, muster_Delivery *d)
             *process = at->name;
             return true;
         }
-        compose_return_passed_by(b); /* behind urgent ones, or until the dispatcher wakes */
+        parts_return_passed_by(b); /* behind urgent ones, or until the dispatcher wakes */
         if (b->dispatch.parts_count == DISPATCH_AGENTS) {
             processes_wake(&b->processes, place); /* more of them have not been looked at */
         }
@@ -185,12 +209,28 @@ static void delivery_count(struct dispatch *c, uint32_t parcels)
     }
 }
 
-void dispatch_delivered(struct broker *b)
+/* A Delivery with a word about an agent on its way, or of a probe, is out. */
+static void word_end(struct broker *b)
 {
     struct dispatch *c = &b->dispatch;
+    if (c->open_word == WORD_TRIP) {
+        b->processes.at[c->open].serial++;
+        snapshots_sent(b);
+    } else {
+        probes_sent(b);
+    }
+    processes_wake(&b->processes, c->open);
+    c->open = MU_NONE;
+    c->open_word = WORD_NONE;
+}
+
+void broker_delivered(struct broker *b, uint64_t now_ns)
+{
+    struct dispatch *c = &b->dispatch;
+    clock_set_now(&b->clock, now_ns);
     MU_ASSERT(c->open != MU_NONE);
     if (c->open_word != WORD_NONE) {
-        compose_end_word(b);
+        word_end(b);
         return;
     }
     if (c->open == PROCESSES_ALL) {
@@ -206,7 +246,7 @@ void dispatch_delivered(struct broker *b)
         part_delivered(b, &c->parts[i]);
         from = c->parts[i].parcels > 0 ? part_from(b, &c->parts[i]) : from;
     }
-    compose_return(b, true);
+    parts_return(b, true);
     delivery_count(c, parcels);
     pacing_note_delivery(at, parcels, from, b->clock.now_ns);
     at->serial++;
@@ -224,7 +264,7 @@ void dispatch_delivered(struct broker *b)
     c->open = MU_NONE;
 }
 
-void dispatch_undelivered(struct broker *b)
+void broker_undelivered(struct broker *b)
 {
     struct dispatch *c = &b->dispatch;
     MU_ASSERT(c->open != MU_NONE);
@@ -237,12 +277,10 @@ void dispatch_undelivered(struct broker *b)
     for (uint32_t i = 0; i < c->parts_count; i++) {
         mailbox_take_back(&b->mailbox, c->parts[i].agent);
     }
-    compose_return(b, false);
+    parts_return(b, false);
     c->open_word = WORD_NONE;
     if (b->processes.refused == 0) {
-        uint64_t now_ns = b->clock.now_ns;
-        c->retry_ns =
-            now_ns > UINT64_MAX - DISPATCH_RETRY_NS ? UINT64_MAX : now_ns + DISPATCH_RETRY_NS;
+        c->retry_ns = clock_after_ns(b->clock.now_ns, DISPATCH_RETRY_NS);
     }
     processes_turn_on(&b->processes, c->open, TURN_IS_REFUSED);
     c->open = MU_NONE;

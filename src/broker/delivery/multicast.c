@@ -4,7 +4,7 @@
 #include "broker/control/parts.h"
 #include "core/sort.h"
 
-void multicast_read_by(struct broker *b, uint32_t readers)
+void broker_is_read(struct broker *b, uint32_t readers)
 {
     b->multicast.readers = readers;
 }

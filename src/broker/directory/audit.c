@@ -55,9 +55,8 @@ _Static_assert(6 * (2 * AUDIT_TEXT_MAX + MU_NAME_MAX + MU_PROCESS_MAX + MU_FIELD
 
 size_t audit_line(const struct audit_record *r, char line[AUDIT_LINE_MAX])
 {
-    struct mu_text text;
     struct mu_json j;
-    mu_text_init(&text, line, AUDIT_LINE_MAX);
+    struct mu_text text = mu_text_in(line, AUDIT_LINE_MAX);
     mu_json_to_text(&j, &text, MU_JSON_LINE);
     mu_json_object(&j, NULL);
     mu_json_string(&j, "clock", r->simulated ? "simulated" : "wall");

@@ -10,13 +10,11 @@
 #include "broker/directory/trust.h"
 #include "broker/steps/steps.h"
 #include "core/attributes.h"
-#include "core/fault.h"
 #include "core/pairs.h"
 #include "muster/limits.h"
 #include "wire.h"
 
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 
 struct broker;

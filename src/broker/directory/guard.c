@@ -134,10 +134,9 @@ static bool has_role(void *self, const char *role, const char *name)
     const struct broker *b = self;
     const struct lines *s = &b->pages.services;
     char text[sizeof "* role=" + MU_NAME_MAX];
-    struct mu_text t;
     struct mu_query query;
     uint32_t agent = registry_find(&b->registry, name);
-    mu_text_init(&t, text, sizeof text);
+    struct mu_text t = mu_text_in(text, sizeof text);
     mu_text_format(&t, "* role=%s", role);
     if (agent == MU_NONE || mu_attributes_query(&query, text) != MU_OK) {
         return false;

@@ -95,8 +95,7 @@ static void agent_mark(struct broker *b, uint32_t agent)
 static void row_give(struct broker *b, struct mail *m)
 {
     struct journal *j = &b->journal;
-    for (uint32_t post = mu_list_first(&m->posts); post != MU_NONE;
-         post = mailbox_sibling(&b->mailbox, post)) {
+    MU_LIST_EACH (post, &m->posts, MU_LINKS(b->mailbox.posts, links[LINKS_MAIL])) {
         journal_agent(b, b->mailbox.posts[post].agent); /* if others alone have told of it */
     }
     m->row = ++j->rows;
@@ -168,8 +167,7 @@ uint32_t journal_room_left(const struct journal *j, const struct mailbox *m, uin
 {
     const struct box *box = &m->boxes[agent];
     uint32_t may_come_again = box->unsaved_commits == j->commits ? box->unsaved : 0;
-    for (uint32_t post = mu_list_first(&box->lists[POST_FLIGHT].posts); post != MU_NONE;
-         post = mailbox_next(m, post)) {
+    MU_LIST_EACH (post, &box->lists[POST_FLIGHT].posts, MU_LINKS(m->posts, links[LINKS_BOX])) {
         may_come_again += mail_is_written(m->posts[post].mail);
     }
     return may_come_again < MU_WINDOW_MAX ? MU_WINDOW_MAX - may_come_again : 0;

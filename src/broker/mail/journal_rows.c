@@ -46,10 +46,8 @@ bool journal_wanted(struct broker *b, muster_Level *level)
 /* The names of those that a mail still waits for, and behind a slash what of its end is certain. */
 static const char *waiting_of(struct broker *b, const struct mail *m)
 {
-    struct mu_text t;
-    mu_text_init(&t, b->journal.text, JOURNAL_WAITING_BYTES);
-    for (uint32_t post = mu_list_first(&m->posts); post != MU_NONE;
-         post = mailbox_sibling(&b->mailbox, post)) {
+    struct mu_text t = mu_text_in(b->journal.text, JOURNAL_WAITING_BYTES);
+    MU_LIST_EACH (post, &m->posts, MU_LINKS(b->mailbox.posts, links[LINKS_MAIL])) {
         mu_text_add(&t, t.len ? "," : "");
         mu_text_add(&t, b->registry.agents[b->mailbox.posts[post].agent].name);
     }

@@ -10,7 +10,6 @@
 #include "broker/mail/journal.h"
 #include "broker/mail/probes.h"
 #include "broker/mail/snapshots.h"
-#include "bus/bus.h"
 #include "core/address.h"
 #include "core/text.h"
 #include "wire.h"

@@ -118,8 +118,7 @@ void outcome_admit_due(struct broker *b, uint64_t run_ns)
     struct mail *m;
     while (b->clock.runs && (m = timers_first(&b->due)) && m->at_ns[TIMERS_DUE] <= run_ns) {
         timers_remove(&b->due, m);
-        for (uint32_t post = mu_list_first(&m->posts); post != MU_NONE;
-             post = mailbox_sibling(&b->mailbox, post)) {
+        MU_LIST_EACH (post, &m->posts, MU_LINKS(b->mailbox.posts, links[LINKS_MAIL])) {
             mailbox_admit(&b->mailbox, post);
             processes_wake_agent(&b->registry, &b->processes, b->mailbox.posts[post].agent);
         }

@@ -50,7 +50,7 @@ struct probes {
     struct probe at[MU_GLANCES_MAX];
     uint32_t count;
     struct probes_word words[PROBES_WORDS]; /* in order */
-    uint32_t words_count, open;             /* open: the one that dispatch_next has in hand */
+    uint32_t words_count, open;             /* open: the one that broker_next has in hand */
     uint64_t asked, declined, lost;         /* counters */
 };
 

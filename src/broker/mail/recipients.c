@@ -4,7 +4,6 @@
 #include "broker/control/parts.h"
 #include "core/address.h"
 #include "core/fields.h"
-#include "core/name.h"
 
 #include <string.h>
 
@@ -47,10 +46,9 @@ void recipients_of_answer(struct broker *b, const char *names, uint32_t sender,
                           struct recipients *to)
 {
     char name[MU_NAME_MAX + 1];
-    struct mu_text read;
     uint64_t mark = ++b->registry.mark;
     bool open = !clock_collects(&b->clock);
-    mu_text_init(&read, name, sizeof name);
+    struct mu_text read = mu_text_in(name, sizeof name);
     to->count = to->refused = 0;
     while (mu_fields_next(&names, &read) || read.cut) {
         uint32_t agent = read.cut ? MU_NONE : registry_addressee(&b->registry, name);
@@ -199,9 +197,8 @@ uint32_t recipients_named(const struct broker *b, const struct mail *question)
     unsigned names = verb < VERB_VERBS ? verbs[verb].names : 0;
     const char *content = question->letter.content;
     char name[MU_NAME_MAX + 1];
-    struct mu_text read;
     bool whole = false;
-    mu_text_init(&read, name, sizeof name);
+    struct mu_text read = mu_text_in(name, sizeof name);
     for (unsigned i = 0; i < names; i++) {
         whole = mu_fields_next(&content, &read);
         if (!whole && !read.cut) {

@@ -147,8 +147,7 @@ static uint32_t wait_find(const struct resolve *r, const struct mail *m)
 static bool answer_is_fields(const char *content)
 {
     char field[MU_NAME_MAX + 1];
-    struct mu_text read;
-    mu_text_init(&read, field, sizeof field);
+    struct mu_text read = mu_text_in(field, sizeof field);
     while (!mu_fields_end(content)) {
         const char *before = content;
         (void)mu_fields_next(&content, &read); /* what is too long is a field all the same */
@@ -184,8 +183,7 @@ uint32_t resolve_overdue(struct broker *b, uint64_t mail_ns)
         return MU_NONE;
     }
     uint64_t soonest_ns = UINT64_MAX;
-    for (uint32_t i = mu_list_first(&r->waits_asked); i != MU_NONE;
-         i = mu_list_next(MU_LINKS(r->waits, asked), i)) {
+    MU_LIST_EACH (i, &r->waits_asked, MU_LINKS(r->waits, asked)) {
         if (r->waits[i].until_ns <= mail_ns) {
             return wait_answer(b, i, NULL);
         }

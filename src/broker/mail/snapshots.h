@@ -75,7 +75,7 @@ struct snapshots {
     uint32_t count, holding;                    /* snapshots; those that the step waits for */
     struct snapshot_word words[SNAPSHOT_WORDS]; /* in order */
     uint32_t words_count;
-    uint32_t open;                                 /* the word that dispatch_next has in hand */
+    uint32_t open;                                 /* the word that broker_next has in hand */
     uint64_t kept, taken, refused, lost, restored; /* counters */
 };
 

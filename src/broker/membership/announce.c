@@ -31,12 +31,13 @@ void announce_all(struct broker *b)
     b->federation.version_said = b->registry.changes.version;
 }
 
-void announce_to(struct broker *b, uint32_t listeners)
+void broker_peers(struct broker *b, uint32_t count, uint64_t now_ns)
 {
-    if (b->federation.listeners == 0 && listeners > 0) {
+    broker_enter(b, now_ns);
+    if (b->federation.listeners == 0 && count > 0) {
         announce_all(b);
     }
-    b->federation.listeners = listeners;
+    b->federation.listeners = count;
 }
 
 void announce_agent(struct broker *b, uint32_t agent)
@@ -53,8 +54,7 @@ static void changelog_mark(struct broker *b)
     if (l->version_said == c->version) {
         return;
     }
-    for (uint32_t agent = changelog_after(c, l->version_said); agent != MU_NONE;
-         agent = changelog_next(c, agent)) {
+    CHANGELOG_EACH (agent, c, l->version_said) {
         announce_agent(b, agent);
     }
     l->version_said = c->version;
@@ -89,7 +89,7 @@ static muster_Entry entry_of(struct broker *b, uint32_t agent)
     return e;
 }
 
-bool announce_next(struct broker *b, muster_Registration *out)
+bool broker_announcement(struct broker *b, muster_Registration *out)
 {
     struct federation *l = &b->federation;
     if (l->listeners == 0) {
@@ -121,7 +121,7 @@ bool announce_next(struct broker *b, muster_Registration *out)
     return true;
 }
 
-void announce_done(struct broker *b)
+void broker_announced(struct broker *b)
 {
     struct federation *l = &b->federation;
     l->due[l->part_open] = false;

@@ -80,9 +80,7 @@ static uint32_t place_hear(struct broker *b, struct peer *p)
 
 static bool entry_is_whole(const muster_Entry *e)
 {
-    return validate_entry(e, true) && validate_string(e->name, MU_NAME_MAX) &&
-           !registry_objection(e->name, e->kind) && validate_string(e->via, MU_NAME_MAX) &&
-           validate_string(e->host, MU_FIELD_MAX) &&
+    return validate_entry(e, true) && !registry_objection(e->name, e->kind) &&
            (e->state == muster_STATE_ABSENT || e->home[0] != '\0');
 }
 
@@ -194,7 +192,7 @@ static void entry_take(struct broker *b, struct peer *p, const muster_Entry *e, 
 void federation_hear(struct broker *b, const muster_Registration *r)
 {
     const char *name = remote_is_broker(r->process) ? remote_name(r->process) : NULL;
-    if (!r->is_broker || !name || !validate_string(name, MU_NAME_MAX) || !mu_name_valid(name)) {
+    if (!r->is_broker || !mu_name_valid(name)) {
         b->counters.malformed++;
         return;
     }
@@ -213,7 +211,7 @@ void federation_hear(struct broker *b, const muster_Registration *r)
     for (uint32_t i = 0; i < r->agents._length; i++) {
         const muster_Entry *e = &r->agents._buffer[i];
         uint32_t slot = r->part * MU_PART_AGENTS + i;
-        slot_clear(b, p, slot, validate_string(e->name, MU_NAME_MAX) ? e->name : "");
+        slot_clear(b, p, slot, e->name);
         if (e->name[0] == '\0') {
             continue;
         }

@@ -158,8 +158,7 @@ static void box_follow(struct broker *b, uint32_t agent, const struct presence *
 void lifecycle_tell_again(struct broker *b, uint32_t place)
 {
     view_forget_told(&b->processes.at[place]);
-    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
-         agent = processes_next_agent(&b->registry, &b->processes, agent)) {
+    PROCESSES_EACH_AGENT (b, agent, place) {
         names_owe_verdict(b, agent);
         mailbox_repeat(&b->mailbox, agent);
         processes_wake_agent(&b->registry, &b->processes, agent);

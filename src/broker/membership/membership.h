@@ -108,18 +108,11 @@ void federation_lose(struct broker *b, uint32_t place);
  * brokers, and those that are absent.  An agent's slot is its place in the white pages.
  */
 
-/** So many other brokers are there; the first one to come is told everything. */
-void announce_to(struct broker *b, uint32_t listeners);
-
 /** Everything is to be said again. */
 void announce_all(struct broker *b);
 
 /** What is said of an agent is no more: its slot is free. */
 void announce_agent(struct broker *b, uint32_t agent);
-
-/** As broker_announcement and broker_announced. */
-bool announce_next(struct broker *b, muster_Registration *out);
-void announce_done(struct broker *b);
 
 void announce_tick(struct broker *b);
 uint64_t announce_deadline_ns(const struct broker *b);
@@ -150,19 +143,5 @@ void retire_tick(struct broker *b);
 
 /** @return when retire_tick is needed next, or UINT64_MAX */
 uint64_t retire_deadline_ns(const struct broker *b);
-
-/* --- relay.c --------------------------------------------------------------------------------- */
-
-/*
- * Mail, receipts and lines that other brokers deliver to this one, and what it acknowledges.
- *
- * A mail from a neighbour is taken once, whatever becomes of it: what has no room, or may not be
- * carried out, is answered to its sender by way of the neighbour.
- */
-
-/** As broker_delivery, broker_up_next and broker_up_sent. */
-void relay_take(struct broker *b, const muster_Delivery *d);
-bool relay_up_next(struct broker *b, const char **peer, muster_Up *out);
-void relay_up_sent(struct broker *b);
 
 #endif

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Mail, receipts and lines that other brokers deliver to this one, and what it acknowledges.
+ *
+ * A mail from a neighbour is taken once, whatever becomes of it: what has no room, or may not be
+ * carried out, is answered to its sender by way of the neighbour.
+ */
 #include "broker/membership/membership.h"
 
 #include "broker/control/parts.h"
@@ -32,7 +38,7 @@ static muster_Outcome objection_to(struct broker *b, uint32_t agent, const muste
         b->federation.count.hops_refused++;
         return muster_OUTCOME_REFUSED;
     }
-    if (!validate_mail(m)) {
+    if (!mu_address_valid(m->dst)) {
         b->counters.malformed++;
         return muster_OUTCOME_REFUSED;
     }
@@ -73,12 +79,6 @@ static void mail_take(struct broker *b, uint32_t agent, uint32_t sender, const m
     route_from_outside(b, m);
 }
 
-static bool parcel_is_whole(const muster_Parcel *p)
-{
-    return validate_string(p->box, MU_NAME_MAX) && validate_string(p->letter.src, MU_NAME_MAX) &&
-           mu_name_valid(p->letter.src) && p->number > 0;
-}
-
 static void ack_owe(struct peer *p, uint32_t agent)
 {
     if (!p->ack_due[agent]) {
@@ -96,11 +96,8 @@ static bool number_follows(const struct peer *p, uint32_t agent, uint64_t number
 
 static void parcel_take(struct broker *b, struct peer *p, const muster_Parcel *parcel)
 {
-    uint32_t agent = MU_NONE, sender = MU_NONE;
-    if (parcel_is_whole(parcel)) {
-        agent = registry_find(&b->registry, parcel->box);
-        sender = sender_of(b, parcel->letter.src);
-    }
+    uint32_t agent = registry_find(&b->registry, parcel->box);
+    uint32_t sender = sender_of(b, parcel->letter.src);
     if (agent == MU_NONE || registry_is_own(agent)) {
         b->counters.malformed++;
         return;
@@ -128,8 +125,7 @@ static void parcel_take(struct broker *b, struct peer *p, const muster_Parcel *p
 /* What others have had from a box is not for us. */
 static void verdict_take(struct broker *b, struct peer *p, const muster_Verdict *v)
 {
-    uint32_t agent =
-        validate_string(v->agent, MU_NAME_MAX) ? registry_find(&b->registry, v->agent) : MU_NONE;
+    uint32_t agent = registry_find(&b->registry, v->agent);
     if (agent == MU_NONE || registry_is_own(agent)) {
         b->counters.malformed++;
     } else if (v->last_seq > p->taken[agent]) {
@@ -141,8 +137,7 @@ static void verdict_take(struct broker *b, struct peer *p, const muster_Verdict 
 
 static void receipt_take(struct broker *b, const struct peer *p, const muster_Receipt *r)
 {
-    uint32_t agent =
-        validate_string(r->agent, MU_NAME_MAX) ? registry_find(&b->registry, r->agent) : MU_NONE;
+    uint32_t agent = registry_find(&b->registry, r->agent);
     if (agent == MU_NONE || r->first_seq == 0 || r->first_seq > r->last_seq ||
         (unsigned)r->result > muster_OUTCOME_NO_STORE) {
         b->counters.malformed++;
@@ -164,15 +159,13 @@ static void lines_take(struct broker *b, const muster_Delivery *d)
     for (uint32_t i = 0; i < d->memberships._length; i++) {
         const muster_Membership *m = &d->memberships._buffer[i];
         struct line_word w = {m->group, m->agent, m->joined, "", m->origin, 0, m->stamp_ns};
-        b->counters.malformed += !w.key || !w.agent || !w.origin ||
-                                 lines_merge(&b->pages.groups, &w, &said, mail_ns) == MU_MALFORMED;
+        b->counters.malformed += lines_merge(&b->pages.groups, &w, &said, mail_ns) == MU_MALFORMED;
     }
     for (uint32_t i = 0; i < d->offers._length; i++) {
         const muster_Offer *o = &d->offers._buffer[i];
         struct line_word w = {o->service, o->agent,    o->offered, o->attributes,
                               o->origin,  o->lease_ns, o->stamp_ns};
         b->counters.malformed +=
-            !w.key || !w.agent || !w.origin || !w.attributes ||
             lines_merge(&b->pages.services, &w, &said, mail_ns) == MU_MALFORMED;
     }
     notify_tell(b);
@@ -188,10 +181,11 @@ static void roll_call_take(struct broker *b, const struct peer *p)
     }
 }
 
-void relay_take(struct broker *b, const muster_Delivery *d)
+void broker_delivery(struct broker *b, const muster_Delivery *d, uint64_t now_ns)
 {
-    if (!validate_string(d->process, MU_PROCESS_MAX) || !validate_string(d->broker, MU_NAME_MAX) ||
-        !mu_name_valid(d->broker) || strcmp(d->process, b->place) != 0 ||
+    broker_enter(b, now_ns);
+    retire_tick(b);
+    if (!mu_name_valid(d->broker) || strcmp(d->process, b->place) != 0 ||
         strcmp(d->broker, b->name) == 0) {
         b->counters.malformed++;
         return;
@@ -232,7 +226,7 @@ static uint32_t acks_ready(const struct broker *b, struct peer *p)
     return p->acks_count - waiting;
 }
 
-bool relay_up_next(struct broker *b, const char **peer, muster_Up *out)
+bool broker_up_next(struct broker *b, const char **peer, muster_Up *out)
 {
     struct federation *l = &b->federation;
     uint32_t i = 0, ready = 0;
@@ -258,7 +252,7 @@ bool relay_up_next(struct broker *b, const char **peer, muster_Up *out)
     return true;
 }
 
-void relay_up_sent(struct broker *b)
+void broker_up_sent(struct broker *b)
 {
     struct peer *p = &b->federation.peers[b->federation.peer_open];
     for (; b->federation.acks_open_count > 0; b->federation.acks_open_count--) {

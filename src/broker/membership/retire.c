@@ -47,8 +47,8 @@ static void hold_boxes(struct broker *b)
     for (uint32_t agent = 0; agent < b->registry.count; agent++) {
         const struct box *box = &b->mailbox.boxes[agent];
         for (int list = POST_HELD; box->begun && list <= POST_FLIGHT; list++) {
-            for (uint32_t post = mu_list_first(&box->lists[list].posts); post != MU_NONE;
-                 post = mailbox_next(&b->mailbox, post)) {
+            MU_LIST_EACH (post, &box->lists[list].posts,
+                          MU_LINKS(b->mailbox.posts, links[LINKS_BOX])) {
                 hold(b, agent);
                 hold_mail(b, b->mailbox.posts[post].mail);
             }
@@ -83,8 +83,7 @@ static void hold_resolving(struct broker *b)
 {
     const struct resolve *r = &b->resolve;
     for (uint32_t agent = 0; agent < b->registry.count && r->pool.live > 0; agent++) {
-        for (uint32_t i = mu_list_first(&r->queues[agent]); i != MU_NONE;
-             i = mu_list_next(MU_LINKS(r->waits, link), i)) {
+        MU_LIST_EACH (i, &r->queues[agent], MU_LINKS(r->waits, link)) {
             const struct resolve_wait *w = &r->waits[i];
             hold(b, agent);
             hold(b, w->resolver);
@@ -131,8 +130,7 @@ static void hold_probes(struct broker *b)
 static void hold_groups(struct broker *b)
 {
     const struct lines *g = &b->pages.groups;
-    for (uint32_t line = mu_list_first(&g->changes.list); line != MU_NONE;
-         line = changelog_next(&g->changes, line)) {
+    MU_LIST_EACH (line, &g->changes.list, MU_LINKS(g->changes.lines, link)) {
         if (g->at[line].holds || g->at[line].holds_inside) {
             hold(b, registry_find(&b->registry, mu_pairs_second(&g->pairs, line)));
         }
@@ -142,8 +140,7 @@ static void hold_groups(struct broker *b)
 static void hold_alerts(struct broker *b)
 {
     const struct alerts *e = &b->alerts;
-    for (uint32_t i = mu_list_first(&e->queue); i != MU_NONE;
-         i = mu_list_next(MU_LINKS(e->all, link), i)) {
+    MU_LIST_EACH (i, &e->queue, MU_LINKS(e->all, link)) {
         hold(b, e->all[i].agent);
         hold(b, e->all[i].sender);
     }

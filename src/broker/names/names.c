@@ -45,8 +45,7 @@ bool names_is_held(const struct broker *b, uint32_t agent)
 
 uint64_t names_hold_end_ns(const struct broker *b)
 {
-    uint64_t now_ns = b->clock.now_ns;
-    return now_ns + b->hold_ns < now_ns ? UINT64_MAX : now_ns + b->hold_ns;
+    return clock_after_ns(b->clock.now_ns, b->hold_ns);
 }
 
 void names_hold(struct broker *b, uint32_t agent)

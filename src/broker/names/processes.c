@@ -185,9 +185,8 @@ void processes_set_matched(struct processes *p, uint32_t place, bool matched)
 /* What is no UTF-8 would break readers of the answer. */
 static void refusal_name(char to[MU_PROCESS_MAX + 1], const char *name)
 {
-    struct mu_text t;
     uint32_t code;
-    mu_text_init(&t, to, MU_PROCESS_MAX + 1);
+    struct mu_text t = mu_text_in(to, MU_PROCESS_MAX + 1);
     for (size_t len; (len = mu_utf8_next(name, &code)) > 0; name += len) {
         bool broken = code == MU_UTF8_BROKEN && len == 1;
         if (t.len + len > MU_PROCESS_MAX) {

@@ -229,6 +229,11 @@ uint32_t processes_first_agent_of(const struct processes *p, uint32_t place, uin
 uint32_t processes_next_agent(const struct registry *r, const struct processes *p, uint32_t agent);
 uint32_t processes_next_agent_of(const struct registry *r, uint32_t agent);
 
+/** Goes through the agents of a place; none may leave it meanwhile. */
+#define PROCESSES_EACH_AGENT(b, agent, place)                                                \
+    for (uint32_t agent = processes_first_agent(&(b)->processes, place); (agent) != MU_NONE; \
+         (agent) = processes_next_agent(&(b)->registry, &(b)->processes, agent))
+
 /** The agent may have something to be told, and its place with it; without a place, nothing. */
 void processes_wake_agent(struct registry *r, struct processes *p, uint32_t agent);
 

@@ -61,8 +61,7 @@ const char *remote_holder(struct broker *b, const char *home)
 {
     struct federation *l = &b->federation;
     char reason[MU_FIELD_MAX + 1];
-    struct mu_text t;
-    mu_text_init(&t, reason, sizeof reason);
+    struct mu_text t = mu_text_in(reason, sizeof reason);
     mu_text_format(&t, "held by another participant at %s", home);
     for (uint32_t i = 0; i < l->holders_count; i++) {
         if (strcmp(l->holders[i], reason) == 0) {
@@ -234,9 +233,8 @@ struct peer *remote_add_peer(struct broker *b, const char *name)
         if (p->state == PEER_SILENT) {
             (void)remote_peer_on(l, p, PEER_FORGOTTEN);
         }
-        struct mu_text t;
         (void)mu_text_copy(p->name, sizeof p->name, name);
-        mu_text_init(&t, p->place, sizeof p->place);
+        struct mu_text t = mu_text_in(p->place, sizeof p->place);
         mu_text_format(&t, "%s%s", PREFIX, name);
     }
     return p;

@@ -5,7 +5,6 @@
 #include "broker/node/disk_parts.h"
 #include "core/log.h"
 
-#include <errno.h>
 #include <stdio.h>
 
 /* The log grows to so many pages of 4 kB before it is copied into the file while mail pours in. */

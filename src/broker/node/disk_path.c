@@ -8,8 +8,7 @@
 bool disk_default_path(char *path, size_t size, int domain, const char *broker)
 {
     const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
-    struct mu_text t;
-    mu_text_init(&t, path, size);
+    struct mu_text t = mu_text_in(path, size);
     if (state && state[0] == '/') {
         mu_text_add(&t, state);
     } else if (home && home[0] == '/') {

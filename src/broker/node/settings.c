@@ -105,8 +105,7 @@ int settings_read(struct settings *s, const char **name, int argc, char **argv)
     options = (struct mu_options){.program = "muster broker",
                                   .usage = "NAME [OPTION...]",
                                   .about = "Knows every agent by name and carries their mail.",
-                                  .table = table,
-                                  .count = sizeof table / sizeof table[0]};
+                                  MU_OPTION_TABLE(table)};
     *name = NULL;
     s->box_mails = MU_BOX_MAX;
     s->box_bytes = MU_BOX_BYTES_MAX;

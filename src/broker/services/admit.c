@@ -37,7 +37,7 @@ static bool was_had(const struct broker *b, uint32_t sender, const muster_Mail *
  * @return whether its number alone counts: what follows it is not taken before */
 static bool is_over(const muster_Mail *letter)
 {
-    return letter->again && letter->dst && letter->dst[0] == '\0';
+    return letter->again && letter->dst[0] == '\0';
 }
 
 /* What is said of it is said once: one that asks again has a duplicate. */
@@ -67,7 +67,7 @@ static void turn_away(struct broker *b, uint32_t sender, const muster_Mail *lett
 struct mail *admit_mail(struct broker *b, uint32_t sender, const muster_Mail *letter)
 {
     struct agent *a = &b->registry.agents[sender];
-    if (!validate_string(letter->src, MU_NAME_MAX) || strcmp(letter->src, a->name) != 0) {
+    if (strcmp(letter->src, a->name) != 0) {
         b->counters.malformed++;
         return NULL;
     }
@@ -83,7 +83,7 @@ struct mail *admit_mail(struct broker *b, uint32_t sender, const muster_Mail *le
         return NULL;
     }
     seen_note(b, sender, letter->seq);
-    if (!validate_mail(letter)) {
+    if (!mu_address_valid(letter->dst)) {
         b->counters.malformed++;
         journal_failed(b, sender, letter);
         outcome_tell(b, sender, letter->seq, letter->seq, muster_OUTCOME_REFUSED);

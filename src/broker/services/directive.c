@@ -69,8 +69,7 @@ static const char *line_take(struct broker *b, uint32_t own, const char *line, s
 void directive_take(struct broker *b, uint32_t own, const struct mail *m)
 {
     char content[1024];
-    struct mu_text t;
-    mu_text_init(&t, content, sizeof content);
+    struct mu_text t = mu_text_in(content, sizeof content);
     if (strcmp(m->letter.performative, "do") != 0) {
         mu_text_format(&t, "%s %s", m->letter.performative,
                        mu_refusal_word(MU_REFUSAL_UNSUPPORTED));

@@ -12,8 +12,7 @@ static void subscriber_send(struct broker *b, uint32_t receiver, const struct su
                             uint32_t line, bool came)
 {
     const struct mu_pairs *pairs = &b->pages.services.pairs;
-    struct mu_text t;
-    mu_text_init(&t, b->text, sizeof b->text);
+    struct mu_text t = mu_text_in(b->text, sizeof b->text);
     mu_text_add(&t, came ? "came" : "went");
     mu_fields_add(&t, mu_pairs_first(pairs, line));
     mu_fields_add(&t, mu_pairs_second(pairs, line));
@@ -54,8 +53,7 @@ void notify_review(struct broker *b, struct subscription *s, bool silently)
 static void subscribers_tell(struct broker *b, uint64_t since)
 {
     struct pages *p = &b->pages;
-    for (uint32_t line = changelog_after(&p->services.changes, since); line != MU_NONE;
-         line = changelog_next(&p->services.changes, line)) {
+    CHANGELOG_EACH (line, &p->services.changes, since) {
         for (uint32_t i = 0; i < p->subscriptions.count; i++) {
             subscriber_tell(b, subscriptions_at(&p->subscriptions, i), line, false);
         }
@@ -68,8 +66,7 @@ static void lines_mark(struct broker *b, enum lines_kind kind, struct lines *l)
     for (uint32_t line; (line = changelog_gone(&l->changes)) != MU_NONE;) {
         journal_line_changed(b, kind, line);
     }
-    for (uint32_t line = changelog_after(&l->changes, l->seen); line != MU_NONE;
-         line = changelog_next(&l->changes, line)) {
+    CHANGELOG_EACH (line, &l->changes, l->seen) {
         journal_line_changed(b, kind, line);
     }
     l->seen = l->changes.version;

@@ -16,15 +16,13 @@ bool request_field(const char *content, struct mu_text *out)
 
 bool request_field_optional(const char **content, char *to, size_t size)
 {
-    struct mu_text read;
-    mu_text_init(&read, to, size);
+    struct mu_text read = mu_text_in(to, size);
     return mu_fields_end(*content) || mu_fields_next(content, &read);
 }
 
 bool request_read_name(struct broker *b, const struct mail *question, request_name name)
 {
-    struct mu_text read;
-    mu_text_init(&read, name, sizeof(request_name));
+    struct mu_text read = mu_text_in(name, sizeof(request_name));
     if (request_field(question->letter.content, &read)) {
         return true;
     }

@@ -67,9 +67,8 @@ void request_withdraw(struct broker *b, const struct mail *question)
 static bool question_read(struct broker *b, const struct mail *question,
                           char text[MU_QUERY_MAX + 1], struct mu_query *query)
 {
-    struct mu_text read;
     const char *content = question->letter.content + strspn(question->letter.content, " ");
-    mu_text_init(&read, text, MU_QUERY_MAX + 1);
+    struct mu_text read = mu_text_in(text, MU_QUERY_MAX + 1);
     bool good = content[0] == '"' ? request_field(content, &read)
                                   : mu_text_copy(text, MU_QUERY_MAX + 1, content);
     if (good && mu_attributes_query(query, text) == MU_OK) {

@@ -32,8 +32,7 @@ void steps_rescope(struct broker *b, uint32_t agent)
 
 void steps_mark_residents(struct broker *b, uint32_t place)
 {
-    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
-         agent = processes_next_agent(&b->registry, &b->processes, agent)) {
+    PROCESSES_EACH_AGENT (b, agent, place) {
         steps_rescope(b, agent);
     }
 }

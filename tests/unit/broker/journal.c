@@ -415,7 +415,8 @@ static void test_a_file_is_no_better_than_the_network(void)
     restore_bad((struct journal_entry){
         .kind = JOURNAL_AGENT, .name = "red", .reserved_seq = (uint64_t)INT64_MAX + 1});
     restore_bad((struct journal_entry){.kind = JOURNAL_GONE, .row = 1});
-    restore_bad((struct journal_entry){.kind = JOURNAL_LINE, .lines = LINES_GROUPS});
+    restore_bad((struct journal_entry){
+        .kind = JOURNAL_LINE, .lines = LINES_GROUPS, .line = {.key = "", .agent = ""}});
     restore_bad((struct journal_entry){.kind = JOURNAL_LINE, .lines = (enum lines_kind)9});
     restore_bad((struct journal_entry){.kind = JOURNAL_CLOCK, .run_wall_ns = WALL + 1});
     struct journal_entry good = {.kind = JOURNAL_MAIL,

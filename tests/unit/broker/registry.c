@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker_story.h"
+#include "bus/check.h"
 
 static void test_welcome_comes_when_the_reader_is_there(void)
 {
@@ -79,20 +80,23 @@ static void test_bad_registrations_are_counted(void)
 {
     story_begin();
     muster_Registration bad[] = {
-        registration(NULL, "p"),   registration("red", NULL), registration("red", ""),
-        registration("red", "p*"), registration("red", "p"),  registration("red", "p"),
-        registration("red", "p"),  registration("red", "p"),  registration("red", "p"),
-        registration("red", "p"),  registration("red", "p")};
-    bad[4].host = NULL;
-    entry_of(&bad[5])->kind = (muster_Kind)77;
-    entry_of(&bad[6])->state = (muster_State)-1;
-    entry_of(&bad[7])->full = (muster_BoxPolicy)3;
-    entry_of(&bad[8])->home = words("beta"); /* only a broker speaks for others */
-    bad[9].part = MU_PARTS_MAX;
-    bad[10].agents._length = MU_PART_AGENTS + 1;
-    for (uint32_t i = 0; i < 11; i++) {
+        registration("red", ""),  registration("red", "p*"), registration("red", "p"),
+        registration("red", "p"), registration("red", "p"),  registration("red", "p"),
+        registration("red", "p"), registration("red", "p"),  registration("red", "p"),
+        registration(NULL, "p"),  registration("red", NULL)};
+    entry_of(&bad[2])->kind = (muster_Kind)77;
+    entry_of(&bad[3])->state = (muster_State)-1;
+    entry_of(&bad[4])->full = (muster_BoxPolicy)3;
+    entry_of(&bad[5])->home = words("beta"); /* only a broker speaks for others */
+    bad[6].host = NULL;
+    bad[7].part = MU_PARTS_MAX;
+    bad[8].agents._length = MU_PART_AGENTS + 1;
+    for (uint32_t i = 0; i < 6; i++) {
         broker_registration(story.b, &bad[i], 0);
         CU_ASSERT_EQUAL(story_status().malformed, i + 1);
+    }
+    for (uint32_t i = 6; i < 11; i++) { /* at the border */
+        CU_ASSERT_FALSE(check_registration(&bad[i]));
     }
     CU_ASSERT_STRING_EQUAL(story_member("red"), "nobody");
     CU_ASSERT_PTR_NULL(broker_process(story.b, 0));
