@@ -154,9 +154,6 @@ bool broker_audit_next(struct broker *b, struct audit_record *out);
 /** A record that was taken could not be written. */
 void broker_audit_failed(struct broker *b);
 
-/** The index-th line of the white pages in order of name.  @return false past the last */
-bool broker_member(const struct broker *b, uint32_t index, muster_Member *out);
-
 /**
  * Gives the next page of the white pages in which a line has changed since it was last given.
  *

@@ -63,15 +63,6 @@ void broker_audit_failed(struct broker *b)
     b->audit.failed++;
 }
 
-bool broker_member(const struct broker *b, uint32_t index, muster_Member *out)
-{
-    if (index >= b->registry.live) {
-        return false;
-    }
-    registry_line(&b->registry, b->registry.order[index], b->name, out);
-    return true;
-}
-
 static void line_write(const struct broker *b, uint32_t agent, char to[BROKER_LINE_MAX])
 {
     muster_Member m;

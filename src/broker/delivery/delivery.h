@@ -99,8 +99,7 @@ struct pacing_speaker {
 
 struct pacing {
     struct pacing_speaker speakers[PACING_SPEAKERS]; /* each once, the last sender first */
-    uint32_t ring[MU_PROCESSES_MAX];                 /* places that are held, each once */
-    uint32_t head, count;
+    struct mu_list held;                             /* places, the first to be woken first */
 };
 
 void pacing_bring_forward(struct pacing *f, uint32_t place);

@@ -40,9 +40,8 @@ bool pacing_hold(struct broker *b, uint32_t place)
     struct pacing *f = &b->pacing;
     struct process *at = &b->processes.at[place];
     bool holds = pacing_is_flooded(b, place);
-    if (holds && at->flood_wake_ns == 0) {
+    if (holds && mu_list_append(&f->held, MU_LINKS(b->processes.at, flooded), place)) {
         at->flood_wake_ns = at->flooded_until_ns;
-        f->ring[(f->head + f->count++) % MU_PROCESSES_MAX] = place;
     }
     return holds;
 }
@@ -51,16 +50,12 @@ void pacing_tick(struct broker *b)
 {
     struct pacing *f = &b->pacing;
     while (pacing_deadline_ns(b) <= b->clock.now_ns) {
-        uint32_t place = f->ring[f->head];
-        f->head = (f->head + 1) % MU_PROCESSES_MAX;
-        f->count--;
-        b->processes.at[place].flood_wake_ns = 0;
-        processes_wake(&b->processes, place);
+        processes_wake(&b->processes, mu_list_take(&f->held, MU_LINKS(b->processes.at, flooded)));
     }
 }
 
 uint64_t pacing_deadline_ns(const struct broker *b)
 {
-    const struct pacing *f = &b->pacing;
-    return f->count ? b->processes.at[f->ring[f->head]].flood_wake_ns : UINT64_MAX;
+    uint32_t first = mu_list_first(&b->pacing.held);
+    return first != MU_NONE ? b->processes.at[first].flood_wake_ns : UINT64_MAX;
 }

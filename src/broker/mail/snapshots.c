@@ -74,7 +74,10 @@ static void words_tidy(struct broker *b)
     }
 }
 
-void snapshots_say(struct broker *b, const struct snapshot_word *word)
+/* A word without a receiver, or one too many, is lost; a process that waits for it has a time
+ * limit. */
+static void word_say(struct broker *b, const struct snapshot_word *word, const char *name,
+                     const char *reason)
 {
     struct snapshots *d = &b->snapshots;
     if (word->place == MU_NONE) {
@@ -90,36 +93,34 @@ void snapshots_say(struct broker *b, const struct snapshot_word *word)
     struct snapshot_word *said = &d->words[d->words_count++];
     *said = *word;
     (void)mu_text_copy(said->process, sizeof said->process, b->processes.at[word->place].name);
+    (void)mu_text_copy(said->name, sizeof said->name, name);
+    (void)mu_text_copy(said->reason, sizeof said->reason, reason);
     processes_wake(&b->processes, word->place);
 }
 
 void snapshots_tell(struct broker *b, const struct snapshot *c, uint32_t place, muster_TripWord say,
                     const char *reason)
 {
-    struct snapshot_word word = {.place = place,
-                                 .word = say,
-                                 .asker = c->agent == MU_NONE ? c->asker : MU_NONE,
-                                 .host = c->host,
-                                 .at = c->target,
-                                 .epoch = c->epoch,
-                                 .snapshot = (uint32_t)(c - b->snapshots.snapshots)};
-    (void)mu_text_copy(word.name, sizeof word.name, c->name);
-    (void)mu_text_copy(word.reason, sizeof word.reason, reason);
-    snapshots_say(b, &word);
+    const struct snapshot_word word = {.place = place,
+                                       .word = say,
+                                       .asker = c->agent == MU_NONE ? c->asker : MU_NONE,
+                                       .host = c->host,
+                                       .at = c->target,
+                                       .epoch = c->epoch,
+                                       .snapshot = (uint32_t)(c - b->snapshots.snapshots)};
+    word_say(b, &word, c->name, reason);
 }
 
-void snapshots_refuse_copy(struct broker *b, uint32_t place, const char *name, uint64_t epoch,
-                           const char *reason)
+void snapshots_refuse_copy(struct broker *b, uint32_t place, uint32_t asker, const char *name,
+                           uint64_t epoch, const char *reason)
 {
-    struct snapshot_word word = {.place = place,
-                                 .word = muster_TRIP_REFUSED,
-                                 .asker = MU_NONE,
-                                 .host = MU_NONE,
-                                 .at = MU_NONE,
-                                 .epoch = epoch};
-    (void)mu_text_copy(word.name, sizeof word.name, name);
-    (void)mu_text_copy(word.reason, sizeof word.reason, reason);
-    snapshots_say(b, &word);
+    const struct snapshot_word word = {.place = place,
+                                       .word = muster_TRIP_REFUSED,
+                                       .asker = asker,
+                                       .host = MU_NONE,
+                                       .at = MU_NONE,
+                                       .epoch = epoch};
+    word_say(b, &word, name, reason);
 }
 
 bool snapshots_next(struct broker *b, uint32_t place, muster_Trip *out)

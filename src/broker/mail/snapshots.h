@@ -136,15 +136,11 @@ void snapshots_refuse(struct broker *b, struct snapshot *c, const char *reason);
 
 void snapshots_send(struct broker *b, struct snapshot *c);
 
-/** It is to drop the copy that it has made. */
-void snapshots_refuse_copy(struct broker *b, uint32_t place, const char *name, uint64_t epoch,
-                           const char *reason);
+/** It is to drop the copy that it has made, or was to make for the asker of a new one. */
+void snapshots_refuse_copy(struct broker *b, uint32_t place, uint32_t asker, const char *name,
+                           uint64_t epoch, const char *reason);
 
 void snapshots_tell(struct broker *b, const struct snapshot *c, uint32_t place, muster_TripWord say,
                     const char *reason);
-
-/** A word without a receiver, or one too many, is lost; a process that waits for it has a time
- * limit. */
-void snapshots_say(struct broker *b, const struct snapshot_word *word);
 
 #endif

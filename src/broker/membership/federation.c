@@ -169,20 +169,20 @@ static void entry_take(struct broker *b, struct peer *p, const muster_Entry *e, 
         }
         return;
     }
-    *route = (struct route){.present = present,
+    uint32_t hops = e->hops < MU_DISTANCE_MAX ? e->hops + 1 : MU_DISTANCE_MAX + 1;
+    struct presence *is = &route->is;
+    *route = (struct route){.present = present, .slot = slot, .last_seq = e->last_seq};
+    *is = (struct presence){.kind = e->kind,
+                            .state = e->state,
                             .no_broadcasts = e->no_broadcasts,
-                            .kind = (uint8_t)e->kind,
-                            .state = (uint8_t)e->state,
-                            .hops = e->hops,
-                            .slot = slot,
-                            .pid = e->pid,
+                            .hops = hops,
                             .since_wall_ns = e->since_wall_ns,
-                            .busy_since_wall_ns = e->busy_since_wall_ns,
-                            .last_seq = e->last_seq};
-    (void)mu_text_copy(route->home, sizeof route->home, e->home);
-    (void)mu_text_copy(route->host, sizeof route->host, e->host);
-    (void)mu_text_copy(route->reason, sizeof route->reason, e->reason ? e->reason : "");
-    if (!present && strcmp(route->reason, muster_REASON_DISPOSED) == 0 && a->process != MU_NONE &&
+                            .pid = e->pid,
+                            .busy_since_wall_ns = e->busy_since_wall_ns};
+    (void)mu_text_copy(is->home, sizeof is->home, e->home);
+    (void)mu_text_copy(is->host, sizeof is->host, e->host);
+    (void)mu_text_copy(is->reason, sizeof is->reason, e->reason ? e->reason : "");
+    if (!present && strcmp(is->reason, muster_REASON_DISPOSED) == 0 && a->process != MU_NONE &&
         strcmp(a->place, p->place) == 0) {
         registry_named_on(&b->registry, agent, NAMED_DISPOSED);
     }

@@ -300,7 +300,7 @@ static void clash_lose(struct broker *b, uint32_t agent, const struct route *rou
     const struct agent *a = &b->registry.agents[agent];
     b->federation.count.clashes++;
     processes_refuse(&b->processes, a->process, a->name, muster_REFUSAL_NAME_HELD,
-                     remote_holder(b, route->home));
+                     remote_holder(b, route->is.home));
 }
 
 static void route_use(struct broker *b, uint32_t agent, const struct peer *p)
@@ -308,7 +308,7 @@ static void route_use(struct broker *b, uint32_t agent, const struct peer *p)
     const struct agent *a = &b->registry.agents[agent];
     const struct route *route = &p->routes[agent];
     uint32_t place = processes_find(&b->processes, p->place);
-    struct presence is = remote_presence(route);
+    struct presence is = route->is;
     if (place == MU_NONE) {
         return;
     }
@@ -330,7 +330,7 @@ static void route_choose(struct broker *b, uint32_t agent, bool echoes)
     struct peer *p = remote_best_peer(b, agent);
     const struct route *route = p ? &p->routes[agent] : NULL;
     if (is_here) {
-        if (route && route->since_wall_ns < a->is.since_wall_ns && !scope_is_inside(a->scope)) {
+        if (route && route->is.since_wall_ns < a->is.since_wall_ns && !scope_is_inside(a->scope)) {
             clash_lose(b, agent, route);
             route_use(b, agent, p);
         }

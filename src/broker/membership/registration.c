@@ -54,22 +54,12 @@ static void presence_leave(struct broker *b, uint32_t agent)
     }
 }
 
-/* The host is shown, in lines whose fields a space parts: what is no part of a host's name is not.
- */
-static void host_copy(char to[MU_FIELD_MAX + 1], const char *host)
+/* Copies what is shown on terminals; other bytes than least to ~ become ?. */
+static void shown_copy(char to[MU_FIELD_MAX + 1], const char *text, char least)
 {
-    (void)mu_text_copy(to, MU_FIELD_MAX + 1, host);
+    (void)mu_text_copy(to, MU_FIELD_MAX + 1, text);
     for (char *c = to; *c; c++) {
-        *c = *c > ' ' && *c <= '~' ? *c : '?';
-    }
-}
-
-/* Words of an agent's rules, which end on a terminal. */
-static void reason_copy(char to[MU_FIELD_MAX + 1], const char *reason)
-{
-    (void)mu_text_copy(to, MU_FIELD_MAX + 1, reason ? reason : "");
-    for (char *c = to; *c; c++) {
-        *c = *c >= ' ' && *c <= '~' ? *c : '?';
+        *c = *c >= least && *c <= '~' ? *c : '?';
     }
 }
 
@@ -88,8 +78,9 @@ static void presence_of(const muster_Registration *r, const muster_Entry *e, str
                             .pid = r->pid,
                             .busy_since_wall_ns = e->busy_since_wall_ns};
     (void)mu_text_copy(is->home, sizeof is->home, e->home);
-    host_copy(is->host, e->kind == muster_KIND_HOST ? "" : r->host);
-    reason_copy(is->reason, e->reason);
+    /* The host stands in lines whose fields a space parts, the reason is words of rules. */
+    shown_copy(is->host, e->kind == muster_KIND_HOST ? "" : r->host, '!');
+    shown_copy(is->reason, e->reason ? e->reason : "", ' ');
 }
 
 /* A broker that has just begun, and knows of no bearer, gives a name to the first process that

@@ -37,16 +37,9 @@ static const char *objection(const struct broker *b, uint32_t host, bool in_step
 static void deposit_refuse(struct broker *b, uint32_t place, const muster_Trip *trip,
                            const char *reason)
 {
-    struct snapshot_word word = {.place = place,
-                                 .word = muster_TRIP_REFUSED,
-                                 .asker = registry_find(&b->registry, trip->asker),
-                                 .host = MU_NONE,
-                                 .at = MU_NONE,
-                                 .epoch = trip->epoch};
     b->snapshots.refused++;
-    (void)mu_text_copy(word.name, sizeof word.name, trip->agent);
-    (void)mu_text_copy(word.reason, sizeof word.reason, reason);
-    snapshots_say(b, &word);
+    snapshots_refuse_copy(b, place, registry_find(&b->registry, trip->asker), trip->agent,
+                          trip->epoch, reason);
 }
 
 static void deposit_take(struct broker *b, uint32_t place, const muster_Trip *trip, bool in_step)
@@ -121,7 +114,7 @@ static void seat_tell(struct broker *b, struct snapshot *c)
 
 static void seat_refuse(struct broker *b, struct snapshot *c, const char *reason)
 {
-    snapshots_refuse_copy(b, c->target, c->name, c->epoch, reason);
+    snapshots_refuse_copy(b, c->target, MU_NONE, c->name, c->epoch, reason);
     snapshots_refuse(b, c, reason);
     if (c->phase != SNAPSHOT_FREE) {
         snapshots_drop(b, c); /* the agent goes on as another process has it */
@@ -192,7 +185,7 @@ static void ready_take(struct broker *b, uint32_t place, const muster_Trip *trip
 {
     struct snapshot *c = snapshots_answered_by(b, place, trip);
     if (!c) {
-        snapshots_refuse_copy(b, place, trip->agent, trip->epoch, "too-late");
+        snapshots_refuse_copy(b, place, MU_NONE, trip->agent, trip->epoch, "too-late");
     } else if (c->phase == SNAPSHOT_HOLDS) {
         seat(b, c, trip->slot);
     } else {
@@ -339,7 +332,7 @@ void transfer_tick(struct broker *b)
     for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.holding > 0; i++) {
         struct snapshot *c = &b->snapshots.snapshots[i];
         if (c->phase == SNAPSHOT_HOLDS && c->until_ns <= b->clock.now_ns) {
-            snapshots_refuse_copy(b, c->target, c->name, c->epoch, "too-late");
+            snapshots_refuse_copy(b, c->target, MU_NONE, c->name, c->epoch, "too-late");
             snapshots_refuse(b, c, "host-silent");
             step_release(b);
         }

@@ -59,6 +59,14 @@ struct presence {
     char reason[MU_FIELD_MAX + 1]; /* why it is in this state; "": it does not say */
 };
 
+/* What a neighbour says of an agent. */
+struct route {
+    bool present;
+    uint32_t slot; /* in the neighbour's announcement */
+    uint64_t last_seq;
+    struct presence is; /* the neighbour is one of its hops */
+};
+
 /* How a name ends whose agent was disposed of. */
 enum name_state {
     NAMED_LASTS,

@@ -60,7 +60,6 @@ void processes_init(struct processes *p)
     *p = (struct processes){0};
     p->at = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->at);
     p->unmatched = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->unmatched);
-    p->queue = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->queue);
     mu_table_init(&p->names, MU_PROCESSES_MAX);
 }
 
@@ -159,8 +158,11 @@ uint32_t processes_get(struct processes *p, const char *name)
     }
     struct process *at = &p->at[place];
     /* An earlier process may have left it in the queues: it stays there. */
-    *at =
-        (struct process){.turn = at->turn, .flood_wake_ns = at->flood_wake_ns, .seat = ++p->seats};
+    *at = (struct process){.turn = at->turn,
+                           .queued = at->queued,
+                           .flooded = at->flooded,
+                           .flood_wake_ns = at->flood_wake_ns,
+                           .seat = ++p->seats};
     bool fits = mu_text_copy(at->name, sizeof at->name, name);
     MU_ASSERT(fits && mu_table_put(&p->names, at->name, place) == MU_OK);
     p->used_count++;
@@ -230,23 +232,17 @@ void processes_accept(struct processes *p, uint32_t place, const char *name)
 
 void processes_wake(struct processes *p, uint32_t place)
 {
-    enum turn_state was = p->at[place].turn;
     processes_turn_on(p, place, TURN_WAKES);
-    if (p->at[place].turn != was) {
-        p->queue[(p->queue_head + p->queue_count++) % MU_PROCESSES_MAX] = place;
-    }
+    (void)mu_list_append(&p->queue, MU_LINKS(p->at, queued), place);
 }
 
 uint32_t processes_next(struct processes *p)
 {
-    if (p->queue_count == 0) {
-        return MU_NONE;
+    uint32_t place = mu_list_take(&p->queue, MU_LINKS(p->at, queued));
+    if (place != MU_NONE) {
+        p->all_awake = false;
+        processes_turn_on(p, place, TURN_LOOKED_AT);
     }
-    uint32_t place = p->queue[p->queue_head];
-    p->queue_head = (p->queue_head + 1) % MU_PROCESSES_MAX;
-    p->queue_count--;
-    p->all_awake = false;
-    processes_turn_on(p, place, TURN_LOOKED_AT);
     return place;
 }
 

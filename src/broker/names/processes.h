@@ -112,10 +112,11 @@ struct process {
     uint32_t mails_had;    /* in its last Delivery; when they are many, see pacing.c: */
     uint32_t flooded_from; /* the place that the last of those mails came from, or MU_NONE */
     uint64_t flooded_until_ns;
-    uint64_t flood_wake_ns; /* when it is woken, if it is held for that; else 0 */
-    uint32_t seat;          /* its number; no other place ever had it */
-    uint64_t serial;        /* of the last Delivery to it */
-    uint64_t version_had;   /* of the white pages */
+    uint64_t flood_wake_ns;         /* when it is woken, if it is held for that */
+    struct mu_link queued, flooded; /* in the queue of those to look at, and of those held */
+    uint32_t seat;                  /* its number; no other place ever had it */
+    uint64_t serial;                /* of the last Delivery to it */
+    uint64_t version_had;           /* of the white pages */
     uint64_t groups_had;
     uint64_t services_had;
     uint32_t claims; /* names that it waits for */
@@ -138,9 +139,7 @@ struct processes {
     uint32_t hearers;       /* those that read multicasts */
     uint32_t held, refused; /* those whose turn is so */
     bool all_awake;         /* since something happened to all, none has been looked at */
-    uint32_t *queue;        /* a ring of MU_PROCESSES_MAX */
-    uint32_t queue_head;
-    uint32_t queue_count;
+    struct mu_list queue;   /* of those to look at */
     struct mu_table names;
 };
 

@@ -76,7 +76,7 @@ const char *remote_holder(struct broker *b, const char *home)
 }
 
 /* @return whether one way is better than another, to the same agent or to another of its name */
-static bool route_is_better(const struct route *one, const struct route *other)
+static bool route_is_better(const struct presence *one, const struct presence *other)
 {
     if (one->since_wall_ns != other->since_wall_ns) {
         return one->since_wall_ns < other->since_wall_ns;
@@ -90,35 +90,20 @@ struct peer *remote_best_peer(struct broker *b, uint32_t agent)
     for (uint32_t i = 0; i < b->federation.peers_count; i++) {
         struct peer *p = &b->federation.peers[i];
         const struct route *route = &p->routes[agent];
-        if (p->state == PEER_THERE && route->present && route->hops < MU_DISTANCE_MAX &&
-            (!best || route_is_better(route, &best->routes[agent]))) {
+        if (p->state == PEER_THERE && route->present && route->is.hops <= MU_DISTANCE_MAX &&
+            (!best || route_is_better(&route->is, &best->routes[agent].is))) {
             best = p;
         }
     }
     return best;
 }
 
-struct presence remote_presence(const struct route *route)
-{
-    struct presence is = {.kind = (muster_Kind)route->kind,
-                          .state = (muster_State)route->state,
-                          .no_broadcasts = route->no_broadcasts,
-                          .hops = route->hops + 1,
-                          .since_wall_ns = route->since_wall_ns,
-                          .pid = route->pid,
-                          .busy_since_wall_ns = route->busy_since_wall_ns};
-    (void)mu_text_copy(is.home, sizeof is.home, route->home);
-    (void)mu_text_copy(is.host, sizeof is.host, route->host);
-    (void)mu_text_copy(is.reason, sizeof is.reason, route->reason);
-    return is;
-}
-
 bool remote_may_be_echo(const struct agent *a, const struct route *route, bool same_neighbour)
 {
-    uint32_t hops = route->hops + 1;
-    bool is_known =
-        a->is.since_wall_ns == route->since_wall_ns && strcmp(a->is.home, route->home) == 0;
-    return is_known && route->hops > 0 && (same_neighbour ? hops > a->is.hops : hops >= a->is.hops);
+    const struct presence *is = &route->is;
+    bool is_known = a->is.since_wall_ns == is->since_wall_ns && strcmp(a->is.home, is->home) == 0;
+    return is_known && is->hops > 1 &&
+           (same_neighbour ? is->hops > a->is.hops : is->hops >= a->is.hops);
 }
 
 void remote_hold_down(struct broker *b, uint32_t agent)
@@ -188,7 +173,7 @@ void remote_lose_route(struct broker *b, struct peer *p, uint32_t agent)
     if (route->present && last > a->elsewhere_seq) {
         a->elsewhere_seq = last;
     }
-    if (strcmp(route->home, p->name) == 0) {
+    if (strcmp(route->is.home, p->name) == 0) {
         names_hold(b, agent);
     }
     route->present = false;

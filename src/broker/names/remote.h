@@ -15,7 +15,7 @@
 
 struct agent;
 struct broker;
-struct presence;
+struct route;
 
 /* --- remote.c -------------------------------------------------------------------------------- */
 
@@ -46,20 +46,6 @@ enum { FEDERATION_RANGE_NUMBERS = 1 << 16, FEDERATION_RANGES = 1 << 20 };
 
 /* Acknowledgements in one Up to a neighbour. */
 enum { FEDERATION_ACKS = 1024 };
-
-/* What a neighbour says of an agent. */
-struct route {
-    bool present, no_broadcasts;
-    uint8_t kind, state;
-    uint32_t hops; /* brokers between the neighbour and the agent */
-    uint32_t slot; /* in the neighbour's announcement */
-    uint32_t pid;
-    uint64_t since_wall_ns, last_seq;
-    char home[MU_NAME_MAX + 1];
-    char host[MU_FIELD_MAX + 1];
-    uint64_t busy_since_wall_ns;
-    char reason[MU_FIELD_MAX + 1];
-};
 
 /* Another broker: not heard of, heard of alone (by a Delivery, or before it was lost), or there. */
 enum peer_state { PEER_UNKNOWN, PEER_SILENT, PEER_THERE, PEER_STATES };
@@ -172,8 +158,6 @@ struct peer *remote_add_peer(struct broker *b, const char *name);
 
 /** @return false: the event was refused, and counted */
 bool remote_peer_on(struct federation *l, struct peer *p, enum peer_event event);
-
-struct presence remote_presence(const struct route *route);
 
 /** A process that comes after it must not begin with numbers that it has used. */
 void remote_lose_route(struct broker *b, struct peer *p, uint32_t agent);

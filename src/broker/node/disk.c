@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/node/node.h"
 
-#include "broker/node/disk_bundle.h"
 #include "broker/node/disk_parts.h"
 #include "core/log.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/node/node.h"
 
-#include "broker/node/disk_bundle.h"
+#include "broker/node/disk_parts.h"
 #include "core/text.h"
 #include "muster/memory.h"
 

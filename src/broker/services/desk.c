@@ -52,28 +52,35 @@ static void request_listing(struct broker *b, const struct mail *question)
     request_list_end(b, &list);
 }
 
-static void (*const answers[VERB_VERBS])(struct broker *b, const struct mail *question) = {
-    [VERB_LOOKUP] = request_lookup,
-    [VERB_LISTING] = request_listing,
-    [VERB_GROUPS] = request_groups,
-    [VERB_MEMBERS] = request_members,
-    [VERB_GROUP_CREATE] = request_group_create,
-    [VERB_GROUP_JOIN] = request_group_join,
-    [VERB_GROUP_LEAVE] = request_group_leave,
-    [VERB_ADVERTISE] = request_advertise,
-    [VERB_WITHDRAW] = request_withdraw,
-    [VERB_FIND_SERVICE] = request_find_service,
-    [VERB_SUBSCRIBE] = request_subscribe,
-    [VERB_UNSUBSCRIBE] = request_unsubscribe,
+/* A verb is answered, or it changes groups or services in the name of an agent. */
+static const struct {
+    void (*answer)(struct broker *b, const struct mail *question);
+    request_change *change;
+    enum lines_kind table;
+} verbs[VERB_VERBS] = {
+    [VERB_LOOKUP] = {request_lookup},
+    [VERB_LISTING] = {request_listing},
+    [VERB_GROUPS] = {request_groups},
+    [VERB_MEMBERS] = {request_members},
+    [VERB_GROUP_CREATE] = {request_group_create},
+    [VERB_GROUP_JOIN] = {.change = groups_join, .table = LINES_GROUPS},
+    [VERB_GROUP_LEAVE] = {.change = groups_leave, .table = LINES_GROUPS},
+    [VERB_ADVERTISE] = {request_advertise},
+    [VERB_WITHDRAW] = {.change = services_withdraw, .table = LINES_SERVICES},
+    [VERB_FIND_SERVICE] = {request_find_service},
+    [VERB_SUBSCRIBE] = {request_subscribe},
+    [VERB_UNSUBSCRIBE] = {request_unsubscribe},
 };
 
 static void desk_answer(struct broker *b, const struct mail *question)
 {
     enum recipients_verb verb = recipients_verb(question);
-    if (verb < VERB_VERBS) {
-        answers[verb](b, question);
-    } else {
+    if (verb == VERB_VERBS) {
         request_refuse(b, REGISTRY_BROKER, question);
+    } else if (verbs[verb].change) {
+        request_make_change(b, question, journal_table(b, verbs[verb].table), verbs[verb].change);
+    } else {
+        verbs[verb].answer(b, question);
     }
 }
 

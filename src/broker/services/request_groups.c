@@ -20,16 +20,6 @@ void request_group_create(struct broker *b, const struct mail *question)
     }
 }
 
-void request_group_join(struct broker *b, const struct mail *question)
-{
-    request_make_change(b, question, &b->pages.groups, groups_join);
-}
-
-void request_group_leave(struct broker *b, const struct mail *question)
-{
-    request_make_change(b, question, &b->pages.groups, groups_leave);
-}
-
 /* --- questions -------------------------------------------------------------------------------- */
 
 void request_groups(struct broker *b, const struct mail *question)

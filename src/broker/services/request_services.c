@@ -56,11 +56,6 @@ void request_advertise(struct broker *b, const struct mail *question)
     request_changed(b, question, refusal, a.service);
 }
 
-void request_withdraw(struct broker *b, const struct mail *question)
-{
-    request_make_change(b, question, &b->pages.services, services_withdraw);
-}
-
 /* --- queries ---------------------------------------------------------------------------------- */
 
 /* Reads a query: one string, or all of the content as it stands.  @return false: answered */

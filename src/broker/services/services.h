@@ -164,13 +164,10 @@ void request_list_end(struct broker *b, const struct request_list *l);
 void request_groups(struct broker *b, const struct mail *question);
 void request_members(struct broker *b, const struct mail *question);
 void request_group_create(struct broker *b, const struct mail *question);
-void request_group_join(struct broker *b, const struct mail *question);
-void request_group_leave(struct broker *b, const struct mail *question);
 
 /* --- request_services.c ---------------------------------------------------------------------- */
 
 void request_advertise(struct broker *b, const struct mail *question);
-void request_withdraw(struct broker *b, const struct mail *question);
 void request_find_service(struct broker *b, const struct mail *question);
 void request_subscribe(struct broker *b, const struct mail *question);
 void request_unsubscribe(struct broker *b, const struct mail *question);

@@ -6,7 +6,7 @@
 #ifndef MUSTER_TESTS_BROKERS_H
 #define MUSTER_TESTS_BROKERS_H
 
-#include "broker/control/broker.h"
+#include "broker/control/parts.h"
 
 #include <string.h>
 
@@ -16,6 +16,16 @@ static inline struct broker *broker_kept(const struct broker_options *options)
     static struct broker *all[256];
     static unsigned count;
     return all[count++ % 256] = broker_open(options);
+}
+
+/** The index-th line of the white pages in order of name.  @return false past the last */
+static inline bool broker_member(const struct broker *b, uint32_t index, muster_Member *out)
+{
+    bool there = index < b->registry.live;
+    if (there) {
+        registry_line(&b->registry, b->registry.order[index], b->name, out);
+    }
+    return there;
 }
 
 /** @return whether the white pages have that name; its line is in out */

@@ -173,7 +173,7 @@ static void test_who_is_held_holds_up_nobody(void)
     blue_speaks();
     flood(1);
     (void)green_gets();
-    CU_ASSERT_EQUAL(story.b->pacing.count, 1);
+    CU_ASSERT_EQUAL(story.b->pacing.held.count, 1);
     story_register("green2", "p-green"); /* the broker's word to it passes */
     (void)green_gets();
     for (int round = 0; round < 400; round++) { /* of half a millisecond */
