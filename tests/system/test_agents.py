@@ -227,6 +227,25 @@ def test_a_policy_holds_for_them():
         check_equal(lines(said, "mob"), ["refused refused"], "the one that the policy does not know")
 
 
+def test_groups_and_services_of_an_experiment_are_theirs_too():
+    """Also after a move to a host; a copy has neither."""
+    with folder() as out:
+        text = ("simulator: none\nduration: 5\nhosts: [north]\nagents:\n"
+                "  - {name: a, rules: a.clp, groups: [choir], services: ['clock kind=sim']}\n"
+                "  - {name: b, rules: b.clp}\n"
+                "observer:\n  - {at: 1.5, do: a, move: north}\n  - {at: 2.5, do: a, line: (clone c north)}\n")
+        asks = ('(defrule begin (event on-run) => (every 1 "(look)"))\n'
+                '(deffunction look () (send group:choir sing (round (now)))\n'
+                '  (printout t (find-service "clock kind=sim") " " (members choir) crlf))\n')
+        file = team_write(out, text, b=asks, a='(defrule sings ?m <- (mail (content sing ?n)) => (retract ?m)\n'
+                                               '  (printout t "sings " ?n crlf))\n'
+                                               '(defrule copy (event on-clone) => (printout t "is a copy" crlf))\n')
+        said, _ = run(out / "r", file)
+        check_equal(lines(said, "b"), ["(a) (a)"] * 4, "what the other one finds")
+        check_equal(lines(said, "a"), [f"sings {n}" for n in (1, 2, 3, 4)], "mail to its group")
+        check_equal(lines(said, "c"), ["is a copy"], "the copy sings not")
+
+
 # --- live ----------------------------------------------------------------------------------------
 
 
