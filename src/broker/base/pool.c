@@ -137,6 +137,29 @@ void pool_free(struct pool *s, struct mail *m)
     record_give(s, m);
 }
 
+void mail_list_append(struct mail_list *list, struct mail *m)
+{
+    m->next = NULL;
+    if (list->last) {
+        list->last->next = m;
+    } else {
+        list->first = m;
+    }
+    list->last = m;
+    list->count++;
+}
+
+struct mail *mail_list_pop(struct mail_list *list)
+{
+    struct mail *m = list->first;
+    if (m) {
+        list->first = m->next;
+        list->last = m->next ? list->last : NULL;
+        list->count--;
+    }
+    return m;
+}
+
 /* --- across a restart ------------------------------------------------------------------------- */
 
 /* What can be said, or be certain, of a mail that is still in a box; FATE_EVENTS: its sender was

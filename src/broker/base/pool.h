@@ -130,8 +130,8 @@ enum mail_durable_event {
 
 struct mail {
     muster_Mail letter;           /* its strings lie behind this record */
-    struct mail *next;            /* in a list of mails that wait for the end of a step */
-    struct mail *journal_next;    /* in the list of what is to be written to disk */
+    struct mail *next;            /* in a list of mails that wait for the end of a step, or later in
+                                     that of what is to be written to disk */
     struct mail *journal_same;    /* in a chain of durable mails whose names have one hash */
     uint64_t row;                 /* on disk; 0: it is not durable */
     uint64_t at_ns[TIMERS_KINDS]; /* of the run; of the broker's clock */
@@ -158,6 +158,12 @@ struct mail {
     enum mail_durable durable : 8;
     bool tell_stored;    /* its sender is told that it is stored, once it is on disk */
     bool stored_ends_it; /* that is then the last word */
+};
+
+/* Mails that wait for one thing, in order. */
+struct mail_list {
+    struct mail *first, *last;
+    uint32_t count;
 };
 
 struct pool_slab {
@@ -222,6 +228,12 @@ const char *pool_mail_standing(const struct mail *m);
 
 /** The same of a mail that comes back from the store.  @return false: there is no such word */
 bool pool_mail_go_on(struct mail *m, const char *word);
+
+/** Puts a mail, which stands in no list, last into one. */
+void mail_list_append(struct mail_list *list, struct mail *m);
+
+/** @return the first mail, which is taken out; NULL: there is none */
+struct mail *mail_list_pop(struct mail_list *list);
 
 /* --- mail_states.c --------------------------------------------------------------------------- */
 

@@ -16,16 +16,13 @@ static const uint64_t RETRY_NS = 1000000000;
 static void mails_committed(struct broker *b)
 {
     struct journal *j = &b->journal;
-    struct mail *next = NULL;
-    for (struct mail *m = j->first; m; m = next) {
-        next = m->journal_next;
+    for (struct mail *m; (m = mail_list_pop(&j->mails));) {
         (void)mail_durable_on(m, DURABLE_COMMITS);
         if (m->unsettled > 0) {
             outcome_on_disk(b, m);
         }
         pool_release(&b->pool, m);
     }
-    j->first = j->last = NULL;
 }
 
 /* @return whether a receiver may have it already: that is not to be undone */
@@ -50,12 +47,11 @@ static void ram_leave(struct broker *b, struct mail *m)
 static void mails_failed(struct broker *b)
 {
     struct journal *j = &b->journal;
-    struct mail *m = j->first, *next = NULL;
-    j->first = j->last = NULL;
-    for (; m; m = next) {
-        next = m->journal_next;
+    struct mail_list marked = j->mails;
+    j->mails = (struct mail_list){.count = 0};
+    for (struct mail *m; (m = mail_list_pop(&marked));) {
         if (mail_is_written(m) || mail_is_out(b, m)) {
-            journal_list(j, m);
+            mail_list_append(&j->mails, m);
             continue;
         }
         (void)mail_durable_on(m, DURABLE_UNDOES);

@@ -96,11 +96,11 @@ static void turns_drop(struct broker *b, uint32_t place)
     PROCESSES_EACH_AGENT (b, agent, place) {
         struct turn *turn = &b->steps.turns[agent];
         turn->has_ack = turn->has_state = false;
-        struct mail *m = steps_pop(&turn->mails);
+        struct mail *m = mail_list_pop(&turn->mails);
         if (m && m->letter.seq <= b->registry.agents[agent].seen_seq) {
             b->registry.agents[agent].seen_seq = m->letter.seq - 1; /* it was never said */
         }
-        for (; m; m = steps_pop(&turn->mails)) {
+        for (; m; m = mail_list_pop(&turn->mails)) {
             if (b->steps.held) {
                 (void)mail_told_on(m, TOLD_ENDS);
             }

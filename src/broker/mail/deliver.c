@@ -79,31 +79,6 @@ static void deliver_schedule(struct broker *b, struct mail *m, bool held, uint64
     }
 }
 
-/* What its sender is told at once.  fits: into each box that it may know of; stored: some of them
- * are for agents that do not take mail now */
-static void sender_answer(struct broker *b, struct mail *m, const struct recipients *to, bool fits,
-                          bool stored)
-{
-    bool is_ram = m->letter.level == muster_LEVEL_RAM;
-    if (to->refused > 0) {
-        outcome_end(b, m, muster_OUTCOME_REFUSED);
-    } else if (to->unknown > 0) {
-        outcome_end(b, m, muster_OUTCOME_UNKNOWN_NAME);
-    } else if (!fits) {
-        outcome_end(b, m, muster_OUTCOME_BOX_FULL);
-    } else if (to->veiled > 0 && (m->unsettled == 0 || is_ram)) {
-        outcome_end(b, m, muster_OUTCOME_STORED);
-    } else if (to->veiled > 0) {
-        m->stored_ends_it = m->tell_stored = true;
-    } else if (m->unsettled == 0) {
-        outcome_end(b, m, muster_OUTCOME_DELIVERED);
-    } else if (stored && !is_ram) {
-        m->tell_stored = true; /* when it is */
-    } else if (stored) {
-        outcome_stored(b, m);
-    }
-}
-
 bool deliver_put(struct broker *b, struct mail *m, struct recipients *to, struct delivered *done)
 {
     if (!mail_book(b, m, to)) {
@@ -141,7 +116,24 @@ bool deliver_put(struct broker *b, struct mail *m, struct recipients *to, struct
 void deliver_conclude(struct broker *b, struct mail *m, const struct recipients *to,
                       const struct delivered *done)
 {
-    sender_answer(b, m, to, done->fits, done->stored);
+    bool is_ram = m->letter.level == muster_LEVEL_RAM;
+    if (to->refused > 0) {
+        outcome_end(b, m, muster_OUTCOME_REFUSED);
+    } else if (to->unknown > 0) {
+        outcome_end(b, m, muster_OUTCOME_UNKNOWN_NAME);
+    } else if (!done->fits) {
+        outcome_end(b, m, muster_OUTCOME_BOX_FULL);
+    } else if (to->veiled > 0 && (m->unsettled == 0 || is_ram)) {
+        outcome_end(b, m, muster_OUTCOME_STORED);
+    } else if (to->veiled > 0) {
+        m->stored_ends_it = m->tell_stored = true;
+    } else if (m->unsettled == 0) {
+        outcome_end(b, m, muster_OUTCOME_DELIVERED);
+    } else if (done->stored && !is_ram) {
+        m->tell_stored = true; /* when it is */
+    } else if (done->stored) {
+        outcome_stored(b, m);
+    }
     pool_release(&b->pool, m);
 }
 

@@ -64,22 +64,11 @@ void journal_remove(struct journal *j, struct mail *m)
 
 /* --- marks ------------------------------------------------------------------------------------ */
 
-void journal_list(struct journal *j, struct mail *m)
-{
-    m->journal_next = NULL;
-    if (j->last) {
-        j->last->journal_next = m;
-    } else {
-        j->first = m;
-    }
-    j->last = m;
-}
-
 static void mail_mark(struct journal *j, struct mail *m)
 {
     if (mail_durable_on(m, DURABLE_MARKS)) {
         pool_keep(m);
-        journal_list(j, m);
+        mail_list_append(&j->mails, m);
     }
 }
 

@@ -99,9 +99,9 @@ struct journal {
     bool awaits;        /* agents that are not there may still come back: see struct agent */
     uint64_t awaits_ns; /* until then, the first of them */
     uint64_t retry_ns;
-    uint64_t rows;             /* the last row of a mail */
-    struct mail *first, *last; /* mails that are marked, in order of routing */
-    uint32_t *agents;          /* marked names: REGISTRY_MAX */
+    uint64_t rows;          /* the last row of a mail */
+    struct mail_list mails; /* that are marked, in order of routing */
+    uint32_t *agents;       /* marked names: REGISTRY_MAX */
     uint32_t agents_count;
     struct journal_slots slots[LINES_KINDS];
     uint64_t run_wall_ns;  /* as it is on disk */
@@ -186,9 +186,6 @@ bool journal_wanted(struct broker *b, muster_Level *level);
 
 /** Gives the next change, valid until the next call.  @return false when that was all */
 bool journal_next(struct broker *b, struct journal_entry *entry);
-
-/** Puts a mail last into the list of what the next commit writes. */
-void journal_list(struct journal *j, struct mail *m);
 
 void journal_remove(struct journal *j, struct mail *m);
 

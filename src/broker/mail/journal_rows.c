@@ -13,7 +13,7 @@ uint64_t journal_run_wall_ns(const struct broker *b)
 static bool something_is_marked(const struct broker *b)
 {
     const struct journal *j = &b->journal;
-    bool marked = j->first || j->agents_count || j->run_wall_ns != journal_run_wall_ns(b);
+    bool marked = j->mails.first || j->agents_count || j->run_wall_ns != journal_run_wall_ns(b);
     for (int i = 0; i < LINES_KINDS; i++) {
         marked = marked || j->slots[i].count || j->slots[i].reset;
     }
@@ -34,12 +34,12 @@ bool journal_wanted(struct broker *b, muster_Level *level)
         return false;
     }
     *level = muster_LEVEL_LOGGED;
-    for (const struct mail *m = j->first; m; m = m->journal_next) {
+    for (const struct mail *m = j->mails.first; m; m = m->next) {
         if (!mail_is_written(m) && m->letter.level > *level) {
             *level = m->letter.level;
         }
     }
-    j->at = (struct journal_cursor){.mail = j->first};
+    j->at = (struct journal_cursor){.mail = j->mails.first};
     return true;
 }
 
@@ -90,7 +90,7 @@ static void gone_extend(struct journal *j, struct journal_entry *e)
     struct mail *m = j->at.mail;
     while (m && mail_is_written(m) && m->unsettled == 0 && m->row == e->last_row + 1) {
         e->last_row = m->row;
-        m = m->journal_next;
+        m = m->next;
     }
     j->at.mail = m;
 }
@@ -99,13 +99,13 @@ static bool next_mail(struct broker *b, struct journal_entry *e)
 {
     struct journal *j = &b->journal;
     while (j->at.mail && !mail_is_written(j->at.mail) && j->at.mail->unsettled == 0) {
-        j->at.mail = j->at.mail->journal_next; /* came and went */
+        j->at.mail = j->at.mail->next; /* came and went */
     }
     const struct mail *m = j->at.mail;
     if (!m) {
         return false;
     }
-    j->at.mail = m->journal_next;
+    j->at.mail = m->next;
     e->row = e->last_row = m->row;
     if (m->unsettled == 0) {
         e->kind = JOURNAL_GONE;

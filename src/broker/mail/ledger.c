@@ -57,24 +57,6 @@ static enum quota_answer account_book(struct quota_accounts *a, enum quota_side 
     return answer;
 }
 
-/* Books a mail that had its room in an earlier life, on whichever account has room for it.
- * @param side  out: that account
- * @return false: neither has */
-static bool account_restore(struct quota_accounts *a, enum quota_side *side, uint32_t sender,
-                            const struct quota_use *want)
-{
-    static const struct quota_use nothing;
-    for (*side = QUOTA_OUTSIDE; *side < QUOTA_SIDES; (*side)++) {
-        struct quota_use most = side_most(*side, false);
-        if (quota_ask(&nothing, &a->all[*side], want, &most, &store_floor) == QUOTA_FITS) {
-            quota_add(&a->senders[*side][sender], want);
-            quota_add(&a->all[*side], want);
-            return true;
-        }
-    }
-    return false;
-}
-
 void ledger_alert(struct broker *b, enum alert_kind kind, uint32_t agent, uint32_t sender)
 {
     struct alert event = {
@@ -115,16 +97,19 @@ bool ledger_charge_veiled(struct broker *b, struct mail *m, uint32_t posts)
     return account_take(b, m, QUOTA_OUTSIDE, posts, &m->booked_veiled);
 }
 
+/* It had its room in an earlier life: whichever account has room for it takes it, as a directive.
+ */
 bool ledger_restore(struct broker *b, struct mail *m, uint32_t posts)
 {
-    enum quota_side side;
-    m->booked = (struct quota_use){.mails = 1, .bytes = pool_bytes(m), .posts = posts};
-    bool fits = account_restore(&b->quotas, &side, m->payer, &m->booked);
-    m->side = (uint8_t)side;
-    if (!fits) {
-        m->booked = (struct quota_use){0};
+    struct quota_use want = {.mails = 1, .bytes = pool_bytes(m), .posts = posts};
+    for (uint8_t side = QUOTA_OUTSIDE; side < QUOTA_SIDES; side++) {
+        if (account_book(&b->quotas, side, m->payer, &want, false, true) == QUOTA_FITS) {
+            m->side = side;
+            m->booked = want;
+            return true;
+        }
     }
-    return fits;
+    return false;
 }
 
 /* left: posts that stay; the mail stays with them */

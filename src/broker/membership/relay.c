@@ -87,13 +87,6 @@ static void ack_owe(struct peer *p, uint32_t agent)
     }
 }
 
-/* @return whether a delivery item is the next one of its box: where one is missing it was lost, and
- * the neighbour will begin there again */
-static bool number_follows(const struct peer *p, uint32_t agent, uint64_t number)
-{
-    return number == p->taken[agent] + 1;
-}
-
 static void parcel_take(struct broker *b, struct peer *p, const muster_Parcel *parcel)
 {
     uint32_t agent = registry_find(&b->registry, parcel->box);
@@ -107,7 +100,8 @@ static void parcel_take(struct broker *b, struct peer *p, const muster_Parcel *p
         b->federation.count.repeated++;
         return;
     }
-    if (!number_follows(p, agent, parcel->number)) {
+    if (parcel->number !=
+        p->taken[agent] + 1) { /* the neighbour will begin at the lost one again */
         b->counters.gaps++;
         return;
     }

@@ -62,9 +62,7 @@ static void hold_mails(struct broker *b)
     for (uint32_t i = 0; i < b->replays.count; i++) {
         hold_mail(b, b->replays.heap[i]);
     }
-    for (const struct mail *m = b->journal.first; m; m = m->journal_next) {
-        hold_mail(b, m);
-    }
+    hold_list(b, &b->journal.mails);
     for (uint32_t i = 0; i < b->multicast.count; i++) {
         hold_mail(b, b->multicast.waiting[i]);
     }

@@ -78,29 +78,6 @@ void steps_last_end(const struct steps *l, muster_BrokerStatus *status)
 
 /* --- collecting ------------------------------------------------------------------------------- */
 
-static void list_append(struct mail_list *list, struct mail *m)
-{
-    m->next = NULL;
-    if (list->last) {
-        list->last->next = m;
-    } else {
-        list->first = m;
-    }
-    list->last = m;
-    list->count++;
-}
-
-struct mail *steps_pop(struct mail_list *list)
-{
-    struct mail *m = list->first;
-    if (m) {
-        list->first = m->next;
-        list->last = m->next ? list->last : NULL;
-        list->count--;
-    }
-    return m;
-}
-
 static struct turn *turn_open(struct steps *l, uint32_t agent)
 {
     struct turn *turn = &l->turns[agent];
@@ -162,7 +139,7 @@ bool steps_keep(struct broker *b, struct mail *m, bool from_outside)
     } else {
         l->turn_bytes -= want.bytes;
     }
-    list_append(from_outside ? &turn->outside : &turn->mails, m);
+    mail_list_append(from_outside ? &turn->outside : &turn->mails, m);
     return true;
 }
 

@@ -69,11 +69,6 @@ enum { STEPS_OUTSIDE_MAX = 1024 };
 /* Of the mails that wait for the end of a step, in bytes of the store, those from outside. */
 enum { STEPS_OUTSIDE_BYTES = MU_STEP_BYTES_MAX / 4 };
 
-struct mail_list {
-    struct mail *first, *last;
-    uint32_t count;
-};
-
 /* What is collected of one agent. */
 struct turn {
     struct mail_list mails;   /* in order of seq */
@@ -216,8 +211,6 @@ void steps_delivered(struct broker *b, uint32_t place);
 void steps_told(struct broker *b);
 
 void steps_owe_delivery(struct broker *b, uint32_t place);
-
-struct mail *steps_pop(struct mail_list *list);
 
 /** Counts a mail from outside that is kept, or is kept no longer. */
 void steps_count_outside(struct steps *l, const struct mail *m, uint32_t by);

@@ -129,7 +129,7 @@ static void check_mails(const struct broker *b)
         HOLD((m->row == 0) == (m->durable == DURABLE_NOT));
         HOLD(!m->stored_ends_it || m->row > 0);
     }
-    for (const struct mail *m = b->journal.first; m; m = m->journal_next) {
+    for (const struct mail *m = b->journal.mails.first; m; m = m->next) {
         HOLD(m->durable == DURABLE_MARKED || m->durable == DURABLE_MARKED_AGAIN);
         HOLD(m->unsettled > 0 || m->told == TOLD_LAST || m->fate == FATE_PASSED_ON);
     }
@@ -141,7 +141,7 @@ void life_check(void)
     HOLD(s.sent == s.delivered + s.waiting + s.expired + s.box_full + s.over_share +
                        s.unknown_name + s.refused + s.dropped + s.no_store);
     HOLD(s.waiting == history.life.b->mailbox.posts_pool.live);
-    HOLD(s.stored <= s.waiting + (history.life.b->journal.first ? MAILS : 0));
+    HOLD(s.stored <= s.waiting + (history.life.b->journal.mails.first ? MAILS : 0));
     check_boxes(history.life.b);
     check_mails(history.life.b);
 }
@@ -164,7 +164,7 @@ void life_check_empty(void)
              b->quotas.all[side].posts == 0);
     }
     if (history.has_store) {
-        HOLD(b->journal.first == NULL && b->journal.agents_count == 0);
+        HOLD(b->journal.mails.first == NULL && b->journal.agents_count == 0);
         for (uint32_t i = 0; i < JOURNAL_BUCKETS; i++) {
             HOLD(b->journal.buckets[i] == NULL);
         }
