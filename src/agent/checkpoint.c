@@ -239,7 +239,10 @@ static bool file_read(const char *path, struct mu_text *out)
     return mu_text_file_read(path, out, &fault) == MU_OK && !out->cut;
 }
 
-bool checkpoint_head_read(const char **text, struct checkpoint_head *out)
+/*
+ * Reads the part before the snapshot's header and moves behind it.  @return false: it is malformed
+ */
+static bool checkpoint_head_read(const char **text, struct checkpoint_head *out)
 {
     int version = 0, len = 0;
     int read = sscanf(*text, "checkpoint %d %" SCNd64 "%n", &version, &out->step, &len);

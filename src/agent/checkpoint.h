@@ -87,11 +87,6 @@ const char *checkpoint_read(struct group_process *g, const char *name, struct ch
                             struct snapshot_header *p);
 
 /**
- * Reads the part before the snapshot's header and moves behind it.  @return false: it is malformed
- */
-bool checkpoint_head_read(const char **text, struct checkpoint_head *out);
-
-/**
  * Visits the agents that have a file, in the folder's order.
  *
  * @param take  gets a name, the part before the header, and header and snapshot ("": the file is

@@ -85,7 +85,8 @@ static void channel_index(struct mcap_writer *w, uint32_t channel)
     c->entries = 0;
 }
 
-void mcap_writer_flush(struct mcap_writer *w)
+/* Writes the chunk at hand, and begins a new one. */
+static void mcap_writer_flush(struct mcap_writer *w)
 {
     if (w->chunk.len == RECORDS_AT) {
         return;

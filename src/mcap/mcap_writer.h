@@ -59,9 +59,6 @@ struct mcap_writer {
 void mcap_writer_put(struct mcap_writer *w, const void *bytes, size_t count);
 void mcap_writer_put_pieces(struct mcap_writer *w, struct iovec *pieces, int count);
 
-/** Writes the chunk at hand, and begins a new one. */
-void mcap_writer_flush(struct mcap_writer *w);
-
 /** Writes end of data, summary and footer.  The chunk at hand has been written. */
 void mcap_summary_write(struct mcap_writer *w);
 

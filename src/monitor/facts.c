@@ -191,7 +191,8 @@ static void object_tell(struct mind *m, const struct mu_object_view *o)
     slots_tell(m, "thing", slots, sizeof slots / sizeof slots[0]);
 }
 
-void facts_write_mail(struct mu_text *t, const struct mu_mail *mail, bool outside)
+/* Writes (mail-seen ...). */
+static void facts_write_mail(struct mu_text *t, const struct mu_mail *mail, bool outside)
 {
     mu_text_clear(t);
     mu_text_add(t, "(mail-seen");

@@ -21,9 +21,6 @@ void facts_add_word(struct mu_text *t, const char *word);
 /** Adds a mail's content as fields where it is a list of them, else as one string. */
 void facts_add_content(struct mu_text *t, const char *language, const char *content);
 
-/** Writes (mail-seen ...). */
-void facts_write_mail(struct mu_text *t, const struct mu_mail *mail, bool outside);
-
 /** Writes (run-ended ...). */
 void facts_write_end(struct mu_text *t, const struct mu_run_result *result);
 

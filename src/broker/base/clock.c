@@ -12,11 +12,6 @@ void clock_start(struct clock *c, uint64_t step_ns, uint64_t run_ns)
     c->mail_lead_ns = mail_ns - (step_ns > 0 ? run_ns : c->now_ns);
 }
 
-void clock_advance(struct clock *c, uint64_t run_ns)
-{
-    c->run_ns = run_ns;
-}
-
 void clock_commit_begin(struct clock *c)
 {
     MU_ASSERT(c->mode == CLOCK_COLLECTS);

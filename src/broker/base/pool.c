@@ -137,7 +137,7 @@ void pool_free(struct pool *s, struct mail *m)
     record_give(s, m);
 }
 
-void mail_list_append(struct mail_list *list, struct mail *m)
+void pool_list_append(struct mail_list *list, struct mail *m)
 {
     m->next = NULL;
     if (list->last) {
@@ -149,7 +149,7 @@ void mail_list_append(struct mail_list *list, struct mail *m)
     list->count++;
 }
 
-struct mail *mail_list_pop(struct mail_list *list)
+struct mail *pool_list_pop(struct mail_list *list)
 {
     struct mail *m = list->first;
     if (m) {

@@ -230,10 +230,10 @@ const char *pool_mail_standing(const struct mail *m);
 bool pool_mail_go_on(struct mail *m, const char *word);
 
 /** Puts a mail, which stands in no list, last into one. */
-void mail_list_append(struct mail_list *list, struct mail *m);
+void pool_list_append(struct mail_list *list, struct mail *m);
 
 /** @return the first mail, which is taken out; NULL: there is none */
-struct mail *mail_list_pop(struct mail_list *list);
+struct mail *pool_list_pop(struct mail_list *list);
 
 /* --- mail_states.c --------------------------------------------------------------------------- */
 

@@ -16,7 +16,7 @@ static const uint64_t RETRY_NS = 1000000000;
 static void mails_committed(struct broker *b)
 {
     struct journal *j = &b->journal;
-    for (struct mail *m; (m = mail_list_pop(&j->mails));) {
+    for (struct mail *m; (m = pool_list_pop(&j->mails));) {
         (void)mail_durable_on(m, DURABLE_COMMITS);
         if (m->unsettled > 0) {
             outcome_on_disk(b, m);
@@ -49,9 +49,9 @@ static void mails_failed(struct broker *b)
     struct journal *j = &b->journal;
     struct mail_list marked = j->mails;
     j->mails = (struct mail_list){.count = 0};
-    for (struct mail *m; (m = mail_list_pop(&marked));) {
+    for (struct mail *m; (m = pool_list_pop(&marked));) {
         if (mail_is_written(m) || mail_is_out(b, m)) {
-            mail_list_append(&j->mails, m);
+            pool_list_append(&j->mails, m);
             continue;
         }
         (void)mail_durable_on(m, DURABLE_UNDOES);

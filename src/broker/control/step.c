@@ -9,18 +9,13 @@
 
 /* --- the end of a step ------------------------------------------------------------------------ */
 
-static uint64_t step_time_ns(const struct broker *b, int64_t step)
-{
-    return (uint64_t)step * b->clock.step_ns;
-}
-
 /* Everything of the step takes effect, and the next step begins. */
 static void step_end(struct broker *b)
 {
     struct steps *l = &b->steps;
-    clock_advance(&b->clock, step_time_ns(b, l->step + 1));
-    step_apply(b);
     l->step++;
+    b->clock.run_ns = (uint64_t)l->step * b->clock.step_ns;
+    step_apply(b);
     l->answered = 0;
     for (uint32_t i = 0; i < l->roster_count; i++) {
         steps_role_on(b, l->roster[i], ROLE_STEP_ENDS);
@@ -96,11 +91,11 @@ static void turns_drop(struct broker *b, uint32_t place)
     PROCESSES_EACH_AGENT (b, agent, place) {
         struct turn *turn = &b->steps.turns[agent];
         turn->has_ack = turn->has_state = false;
-        struct mail *m = mail_list_pop(&turn->mails);
+        struct mail *m = pool_list_pop(&turn->mails);
         if (m && m->letter.seq <= b->registry.agents[agent].seen_seq) {
             b->registry.agents[agent].seen_seq = m->letter.seq - 1; /* it was never said */
         }
-        for (; m; m = mail_list_pop(&turn->mails)) {
+        for (; m; m = pool_list_pop(&turn->mails)) {
             if (b->steps.held) {
                 (void)mail_told_on(m, TOLD_ENDS);
             }

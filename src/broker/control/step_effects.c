@@ -39,7 +39,7 @@ static void mails_apply(struct broker *b)
 {
     for (uint32_t i = 0; i < b->steps.active_count; i++) {
         struct turn *turn = &b->steps.turns[b->steps.active[i]];
-        for (struct mail *m = mail_list_pop(&turn->mails); m; m = mail_list_pop(&turn->mails)) {
+        for (struct mail *m = pool_list_pop(&turn->mails); m; m = pool_list_pop(&turn->mails)) {
             (void)route_mail(b, m);
         }
     }
@@ -48,7 +48,7 @@ static void mails_apply(struct broker *b)
 static void outside_take(struct broker *b, struct turn *turn)
 {
     struct steps *l = &b->steps;
-    struct mail *m = mail_list_pop(&turn->outside);
+    struct mail *m = pool_list_pop(&turn->outside);
     steps_count_outside(l, m, UINT32_MAX); /* one less */
     struct quota_use less = {.mails = 1, .bytes = pool_bytes(m)};
     quota_subtract(&turn->outside_use, &less);

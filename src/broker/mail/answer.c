@@ -16,10 +16,11 @@ static uint64_t outside_answers(const struct broker *b)
     return OUTSIDE_ANSWERS + (b->federation.peers_count > 0 ? remote_range(b) * ANSWERS_EACH : 0);
 }
 
-void answer_begin(struct broker *b, struct mu_text *t, const char *word)
+struct mu_text answer_begin(struct broker *b, const char *word)
 {
-    mu_text_init(t, b->text, sizeof b->text);
-    mu_text_add(t, word);
+    struct mu_text t = mu_text_in(b->text, sizeof b->text);
+    mu_text_add(&t, word);
+    return t;
 }
 
 static void answer_post(struct broker *b, uint32_t own, uint32_t receiver, muster_Mail *m)

@@ -68,7 +68,7 @@ static void mail_mark(struct journal *j, struct mail *m)
 {
     if (mail_durable_on(m, DURABLE_MARKS)) {
         pool_keep(m);
-        mail_list_append(&j->mails, m);
+        pool_list_append(&j->mails, m);
     }
 }
 

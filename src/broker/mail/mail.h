@@ -229,7 +229,7 @@ void answer_reply(struct broker *b, uint32_t own, const struct mail *question,
                   const char *performative, char *content);
 
 /** Begins an answer with a word. */
-void answer_begin(struct broker *b, struct mu_text *t, const char *word);
+struct mu_text answer_begin(struct broker *b, const char *word);
 
 /** Sends b->text in answer to a question that was put to the broker itself. */
 void answer_send(struct broker *b, const struct mail *question, const char *performative);

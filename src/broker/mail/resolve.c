@@ -48,7 +48,6 @@ enum resolve_need resolve_needs(const struct broker *b, const struct mail *m)
 static void resolver_ask(struct broker *b, uint32_t index)
 {
     char ticket[MU_FIELD_MAX + 1];
-    struct mu_text t;
     struct resolve *r = &b->resolve;
     struct resolve_wait *w = &r->waits[index];
     bool inside = scope_is_inside(registry_scope(&b->registry, w->resolver));
@@ -59,7 +58,7 @@ static void resolver_ask(struct broker *b, uint32_t index)
     r->soonest_ns = w->until_ns < r->soonest_ns ? w->until_ns : r->soonest_ns;
     r->asked++;
     (void)mu_list_append(&r->waits_asked, MU_LINKS(r->waits, asked), index);
-    answer_begin(b, &t, "resolve");
+    struct mu_text t = answer_begin(b, "resolve");
     mu_fields_add_string(&t, w->mail->letter.dst);
     mu_fields_add(&t, w->mail->letter.src);
     snprintf(ticket, sizeof ticket, "%s%" PRIu64, TICKET, w->ticket);

@@ -248,11 +248,6 @@ uint32_t processes_next(struct processes *p)
 
 /* --- the agents of a process ------------------------------------------------------------------ */
 
-static struct resident *resident_of(struct registry *r, uint32_t agent)
-{
-    return &r->agents[agent].resident;
-}
-
 static struct mu_links part_links(const struct registry *r)
 {
     return MU_LINKS(r->agents, resident.part);
@@ -269,7 +264,7 @@ void processes_add_agent(struct registry *r, struct processes *p, uint32_t place
     struct process *at = &p->at[place];
     uint32_t part = slot / MU_PART_AGENTS;
     MU_ASSERT(part < PROCESSES_PARTS);
-    *resident_of(r, agent) = (struct resident){.place = place, .slot = slot};
+    r->agents[agent].resident = (struct resident){.slot = slot};
     (void)mu_list_prepend(&at->parts[part], part_links(r), agent);
     at->parts_top = part < at->parts_top ? at->parts_top : part + 1;
     at->agents_count++;
@@ -283,11 +278,11 @@ static void queue_remove(struct registry *r, struct process *at, enum resident_q
 
 void processes_remove_agent(struct registry *r, struct processes *p, uint32_t agent)
 {
-    struct resident *t = resident_of(r, agent);
-    struct process *at = &p->at[t->place];
+    const struct agent *a = &r->agents[agent];
+    struct process *at = &p->at[a->process];
     queue_remove(r, at, RESIDENT_READY, agent);
     queue_remove(r, at, RESIDENT_STIRRED, agent);
-    (void)mu_list_remove(&at->parts[t->slot / MU_PART_AGENTS], part_links(r), agent);
+    (void)mu_list_remove(&at->parts[a->resident.slot / MU_PART_AGENTS], part_links(r), agent);
     at->agents_count--;
 }
 
@@ -317,17 +312,17 @@ uint32_t processes_first_agent(const struct processes *p, uint32_t place)
 
 uint32_t processes_next_agent(const struct registry *r, const struct processes *p, uint32_t agent)
 {
-    const struct resident *t = &r->agents[agent].resident;
-    uint32_t next = processes_next_agent_of(r, agent);
-    return next != MU_NONE ? next : first_from(&p->at[t->place], t->slot / MU_PART_AGENTS + 1);
+    const struct agent *a = &r->agents[agent];
+    uint32_t next = processes_next_agent_of(r, agent), part = a->resident.slot / MU_PART_AGENTS;
+    return next != MU_NONE ? next : first_from(&p->at[a->process], part + 1);
 }
 
 void processes_wake_agent(struct registry *r, struct processes *p, uint32_t agent)
 {
-    if (r->agents[agent].process == MU_NONE) {
+    uint32_t place = r->agents[agent].process;
+    if (place == MU_NONE) {
         return;
     }
-    uint32_t place = resident_of(r, agent)->place;
     for (int queue = 0; queue < RESIDENT_QUEUES; queue++) {
         (void)mu_list_append(&p->at[place].queues[queue], queue_links(r, queue), agent);
     }
@@ -345,5 +340,5 @@ uint32_t processes_pop_agent(struct registry *r, struct processes *p, uint32_t p
 
 void processes_calm_agent(struct registry *r, struct processes *p, uint32_t agent)
 {
-    queue_remove(r, &p->at[resident_of(r, agent)->place], RESIDENT_STIRRED, agent);
+    queue_remove(r, &p->at[r->agents[agent].process], RESIDENT_STIRRED, agent);
 }

@@ -42,7 +42,7 @@ enum resident_queue { RESIDENT_READY, RESIDENT_STIRRED, RESIDENT_QUEUES };
 
 /* An agent in a place. */
 struct resident {
-    uint32_t place, slot;
+    uint32_t slot;
     struct mu_link part; /* of the same part */
     struct mu_link links[RESIDENT_QUEUES];
 };

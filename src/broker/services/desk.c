@@ -15,20 +15,19 @@ static bool is_shown(const struct broker *b, const struct mail *question, uint32
 static void request_lookup(struct broker *b, const struct mail *question)
 {
     request_name name;
-    struct mu_text t;
     if (!request_read_name(b, question, name)) {
         return;
     }
     uint32_t agent = registry_find(&b->registry, name);
     if (agent == MU_NONE || !is_shown(b, question, agent)) {
-        answer_begin(b, &t, "unknown-name");
+        struct mu_text t = answer_begin(b, "unknown-name");
         mu_fields_add(&t, name);
         answer_send(b, question, "failure");
         return;
     }
     muster_Member m;
     registry_line(&b->registry, agent, b->name, &m);
-    answer_begin(b, &t, "member");
+    struct mu_text t = answer_begin(b, "member");
     mu_fields_add(&t, m.name);
     mu_fields_add(&t, validate_kind_word(m.kind));
     mu_fields_add(&t, validate_state_word(m.state));

@@ -195,14 +195,13 @@ void metrics_print(void)
 
 void metrics_answer(struct broker *b, uint32_t own, const struct mail *question)
 {
-    struct mu_text t;
     const char *refusal = scope_refuses_counters(registry_scope(&b->registry, question->sender));
     if (refusal) {
-        answer_begin(b, &t, refusal);
+        (void)answer_begin(b, refusal);
         answer_reply(b, own, question, "failure", b->text);
         return;
     }
-    answer_begin(b, &t, metrics_part_name(own));
+    struct mu_text t = answer_begin(b, metrics_part_name(own));
     const struct metric *c;
     for (size_t i = 0; (c = metrics_at(i)); i++) {
         if (own == REGISTRY_BROKER) {

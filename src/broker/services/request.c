@@ -32,22 +32,20 @@ bool request_read_name(struct broker *b, const struct mail *question, request_na
 
 void request_not_understood(struct broker *b, const struct mail *question)
 {
-    struct mu_text t;
     b->counters.malformed++;
-    answer_begin(b, &t, question->letter.performative);
+    (void)answer_begin(b, question->letter.performative);
     answer_send(b, question, "not-understood");
 }
 
 void request_changed(struct broker *b, const struct mail *question, const char *refusal,
                      const char *name)
 {
-    struct mu_text t;
     b->counters.malformed +=
         refusal && (strcmp(refusal, "not-a-name") == 0 || strcmp(refusal, "not-attributes") == 0);
     if (question->letter.reply_with[0] == '\0') {
         return;
     }
-    answer_begin(b, &t, refusal ? refusal : question->letter.performative);
+    struct mu_text t = answer_begin(b, refusal ? refusal : question->letter.performative);
     mu_fields_add(&t, name);
     answer_send(b, question, refusal ? "failure" : "inform");
 }
@@ -82,7 +80,7 @@ const char *request_actor(struct broker *b, const struct mail *question, const c
 
 static void list_open(struct broker *b, struct request_list *l)
 {
-    answer_begin(b, &l->text, l->word);
+    l->text = answer_begin(b, l->word);
     if (l->of[0]) {
         mu_fields_add(&l->text, l->of);
     }
@@ -139,8 +137,7 @@ void request_make_change(struct broker *b, const struct mail *question, struct l
 
 void request_refuse(struct broker *b, uint32_t own, const struct mail *question)
 {
-    struct mu_text t;
-    answer_begin(b, &t, "performative");
+    struct mu_text t = answer_begin(b, "performative");
     mu_fields_add(&t, question->letter.performative);
     answer_reply(b, own, question, "not-understood", b->text);
 }

@@ -36,8 +36,7 @@ void request_groups(struct broker *b, const struct mail *question)
 
 static void group_unknown(struct broker *b, const struct mail *question, const char *group)
 {
-    struct mu_text t;
-    answer_begin(b, &t, "unknown-group");
+    struct mu_text t = answer_begin(b, "unknown-group");
     mu_fields_add(&t, group);
     answer_send(b, question, "failure");
 }

@@ -139,7 +139,7 @@ bool steps_keep(struct broker *b, struct mail *m, bool from_outside)
     } else {
         l->turn_bytes -= want.bytes;
     }
-    mail_list_append(from_outside ? &turn->outside : &turn->mails, m);
+    pool_list_append(from_outside ? &turn->outside : &turn->mails, m);
     return true;
 }
 

@@ -24,7 +24,7 @@ static void budget_stop(struct mind *m, const char *why)
  * One expression can ask for any amount of memory, and one fact can complete any number of matches,
  * before CLIPS calls a tick.  Only a jump leads out of the middle of that.
  */
-void budget_break(struct mind *m, const char *why)
+static _Noreturn void budget_break(struct mind *m, const char *why)
 {
     (void)state_on(m, STATE_FAIL); /* outside of a limited state the machine itself has no memory */
     heap_drop(m);

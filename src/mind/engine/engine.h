@@ -244,9 +244,6 @@ void heap_drop(struct mind *m);
 
 void budget_install(struct mind *m);
 
-/** Leaves CLIPS where it is; m->lost says why.  The mind has failed.  Jumps to the shelter. */
-_Noreturn void budget_break(struct mind *m, const char *why);
-
 /** Writes into m->lost which call has not returned; also from within it, or a signal handler. */
 void budget_say(struct mind *m);
 
@@ -312,10 +309,6 @@ void trace_agenda(struct mind *m);
 
 /** Ends the call in a CLIPS error: "Function NAME expected WANTED". */
 void value_refuse(void *env, const char *function, const char *wanted);
-
-/** The same of one argument, counted from 1: "... expected WANTED as argument #1, and got GOT". */
-void value_refuse_argument(void *env, const char *function, int index, const char *wanted,
-                           const DATA_OBJECT *got);
 
 void value_bool(void *env, DATA_OBJECT *out, bool value);
 void value_float(void *env, DATA_OBJECT *out, double value);

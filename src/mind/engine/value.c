@@ -35,8 +35,9 @@ static void value_describe(void *env, const DATA_OBJECT *value, struct mu_text *
     (void)env;
 }
 
-void value_refuse_argument(void *env, const char *function, int index, const char *wanted,
-                           const DATA_OBJECT *got)
+/* The same of one argument, counted from 1: "... expected WANTED as argument #1, and got GOT". */
+static void value_refuse_argument(void *env, const char *function, int index, const char *wanted,
+                                  const DATA_OBJECT *got)
 {
     char bytes[256];
     struct mu_text text = mu_text_in(bytes, sizeof bytes);
