@@ -153,8 +153,7 @@ int main(int argc, char **argv)
         fputs("usage: line gauge|press|journal|units [N]\n", stderr);
         return 2;
     }
-    struct mu_process_options options = {.domain = domain ? (int)strtol(domain, NULL, 10) : 0,
-                                         .brief = strcmp(role, "press") == 0};
+    struct mu_process_options options = {.domain = domain ? (int)strtol(domain, NULL, 10) : 0};
     long count = argc > 2 ? strtol(argv[2], NULL, 10) : 200;
     if (strcmp(role, "units") == 0 && count > 0 && count <= UNITS_MAX) {
         options.agents = (uint32_t)count; /* its memory is taken now */

@@ -12,8 +12,7 @@ static void on_mail(void *self, mu_agent *a, const struct mu_mail *mail)
 int main(int argc, char **argv)
 {
     const char *domain = argc > 1 ? argv[1] : getenv("MUSTER_DOMAIN");
-    struct mu_process_options options = {.domain = domain ? (int)strtol(domain, NULL, 10) : 0,
-                                         .brief = true};
+    struct mu_process_options options = {.domain = domain ? (int)strtol(domain, NULL, 10) : 0};
     struct mu_handlers handlers = {.self = &(mu_result){MU_OK}, .on_mail = on_mail};
     mu_process *process = NULL;
     mu_agent *clock;

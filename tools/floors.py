@@ -104,7 +104,6 @@ POINTERS = {
     "struct condition_view": (3, "conditions read positions of any world"),
     "builder_children()": (1, "a visitor of entities of a world's file"),
     "struct bus": (1, "a reader's thread calls the process that waits"),
-    "bus_wait_lending()": (1, "sets one of the bus"),
     "tap_watch_look()": (1, "a filter of topics"),
     "struct topic": (1, "the table of topics: rules of the wire"),
     "struct metric": (1, "the table of counters: each reads its own"),

@@ -89,10 +89,10 @@ class Broker:
         return background(self.program, word, self.where, *words, says=says)
 
     @contextlib.contextmanager
-    def crowd(self, count, word="crowd"):
+    def crowd(self, count):
         """Processes a0, a1, ..., all reachable, and the board that they write on."""
         board = self.folder / f"board-{time.monotonic_ns()}"
-        with self.beside(word, count, board, says=True) as crowd:
+        with self.beside("crowd", count, board, says=True) as crowd:
             if crowd.said["ready"] != count:
                 raise Failed(f"{self.program.name}: {crowd.said['ready']} of {count} are ready")
             crowd.board = board

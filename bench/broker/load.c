@@ -225,7 +225,7 @@ static const struct {
     int words;
     void (*run)(char **words);
 } loads[] = {
-    {"crowd", 3, load_crowd}, {"sleepers", 3, load_sleepers}, {"ping", 3, load_ping},
+    {"crowd", 3, load_crowd}, {"ping", 3, load_ping},
     {"flood", 3, load_flood}, {"tell", 3, load_tell},         {"visit", 2, load_visit},
     {"store", 4, load_store}, {"drain", 3, load_drain},       {"pour", 3, load_pour},
     {"deaf", 2, load_deaf},

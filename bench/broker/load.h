@@ -45,7 +45,6 @@ const char *load_me(void);
 
 /* load_crowd.c */
 void load_crowd(char **words);
-void load_sleepers(char **words);
 void load_tell(char **words);
 
 /* load_box.c */

@@ -96,13 +96,12 @@ static void on_mail(const char *text)
     }
 }
 
-static void one_live(const char *where, struct board *board, int index, bool brief)
+static void one_live(const char *where, struct board *board, int index)
 {
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     one.board = board;
     snprintf(one.name, sizeof one.name, "a%d", index);
-    struct peer_options options = {
-        .where = where, .name = one.name, .brief = brief, .on_mail = on_mail};
+    struct peer_options options = {.where = where, .name = one.name, .on_mail = on_mail};
     peer_open(&options);
     latest_note(&board->ready_ns);
     atomic_fetch_add(&board->ready, 1);
@@ -110,7 +109,8 @@ static void one_live(const char *where, struct board *board, int index, bool bri
     _exit(0); /* a crowd that leaves one by one keeps the broker busy for nothing */
 }
 
-static void crowd_live(char **words, bool brief)
+/* crowd WHERE COUNT BOARD: says how long they took, and stays until it is ended. */
+void load_crowd(char **words)
 {
     static pid_t pids[CROWD_MAX];
     long count = strtol(words[1], NULL, 10);
@@ -122,7 +122,7 @@ static void crowd_live(char **words, bool brief)
     for (int i = 0; i < count; i++) {
         pids[i] = fork();
         if (pids[i] == 0) {
-            one_live(words[0], board, i, brief);
+            one_live(words[0], board, i);
         }
     }
     while (atomic_load(&board->ready) < (uint32_t)count && !load_is_over() &&
@@ -141,18 +141,6 @@ static void crowd_live(char **words, bool brief)
     while (wait(NULL) > 0) {
     }
     exit(0);
-}
-
-/* crowd WHERE COUNT BOARD: says how long they took, and stays until it is ended. */
-void load_crowd(char **words)
-{
-    crowd_live(words, true);
-}
-
-/* sleepers WHERE COUNT BOARD: the same, each with a thread that mail has to wake. */
-void load_sleepers(char **words)
-{
-    crowd_live(words, false);
 }
 
 /* --- telling all ------------------------------------------------------------------------------ */

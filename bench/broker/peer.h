@@ -22,7 +22,6 @@ struct peer_options {
     const char *where; /* the DDS domain; the TCP port of a broker on 127.0.0.1 */
     const char *name;  /* mail to it comes to on_mail */
     bool boxed;        /* the broker keeps mail for it while it is away */
-    bool brief;        /* it may handle mail in the thread that receives it */
     void (*on_mail)(const char *text);
 };
 

@@ -50,8 +50,7 @@ static void on_receipt(void *self, mu_agent *a, uint64_t first_seq, uint64_t las
 
 void peer_open(const struct peer_options *options)
 {
-    struct mu_process_options process = {.domain = (int)strtol(options->where, NULL, 10),
-                                         .brief = options->brief};
+    struct mu_process_options process = {.domain = (int)strtol(options->where, NULL, 10)};
     struct mu_handlers handlers = {
         .on_registered = on_registered, .on_mail = on_mail, .on_receipt = on_receipt};
     peer.on_mail = options->on_mail;

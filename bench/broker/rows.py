@@ -55,8 +55,6 @@ def crowd(here):
                 found.update(prefixed(f"{prefix}_all", broker.load("tell", CROWD, those.board)))
                 found.update(prefixed(f"{prefix}_same", broker.load("ping", PINGS, 1)))
                 found.update(prefixed(f"{prefix}_of100", broker.load("ping", PINGS, CROWD)))
-    with here.ours() as broker, broker.crowd(CROWD, "sleepers") as those:
-        found.update(prefixed("woken_all", broker.load("tell", CROWD, those.board)))
     with here.direct(CROWD) as nobody, nobody.crowd(CROWD) as those:
         found.update(prefixed("direct_all", nobody.load("tell", CROWD, those.board)))
     return found
@@ -202,10 +200,6 @@ LINES = (
          "mqtt_all_p99_us", 3),
     Line("crowd", "broadcast to 100, complete p50", "us", "ours_all_p50_us", "direct DDS:",
          "direct_all_p50_us"),
-    Line("crowd", "the same, threads woken, p50", "us", "woken_all_p50_us", MQ0,
-         "mqtt_all_p50_us"),
-    Line("crowd", "the same, threads woken, p99", "us", "woken_all_p99_us", MQ0,
-         "mqtt_all_p99_us"),
     Line("crowd", "direct DDS to 100, complete p50", "us", "direct_all_p50_us", MQ0,
          "mqtt_all_p50_us"),
     Line("crowd", "direct DDS to 100, complete p99", "us", "direct_all_p99_us", MQ0,

@@ -4,8 +4,8 @@
  * Agents: a name in the white pages, mail by name, and, for a robot, a body.
  *
  * A process opens a connection to the bus (mu_process), lets one or more agents join, and spins.
- * Everything happens in mu_process_spin, in the caller's thread; handlers are called from there
- * (but see mu_process_options.brief), must not block, and may send, drive, join and leave.
+ * Everything happens in mu_process_spin, in the caller's thread; handlers are called from there,
+ * must not block, and may send, drive, join and leave.
  * Registering, leaving, acknowledging, resending and the answers to directives are the runtime's: a
  * controller has no line of code for them.
  *
@@ -162,14 +162,6 @@ struct mu_process_options {
     bool watches;          /* its agents have none, and see all bodies (on_world): steps of a lock
                               step wait for them, too.  Agents of MU_KIND_SPECIAL stay
                               outside: their mail comes in behind the mail of its members */
-    bool brief;            /* every handler returns within some milliseconds: mu_process_run has
-                              them called in the thread of DDS that has received the mail, one at
-                              a time as ever, with all signals blocked, instead of waking its own.
-                              Meanwhile the process receives nothing, and perhaps does not say that
-                              it lives: after a second the broker may take its agents for lost until
-                              the handler has returned.  It opens no process and no watch.  Not
-                              together with the two above; without effect while a function is called
-                              after each round (mu_process_each_round) */
     uint32_t agents;       /* capacity; 0: MU_LOCAL_AGENTS; MU_LOCAL_AGENTS_MAX at most */
     uint32_t outbox;       /* mails of an agent that may wait for an answer; 0: MU_OUTBOX_MAX;
                               MU_OUTBOX_MOST at most */

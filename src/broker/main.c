@@ -225,7 +225,7 @@ static void samples_await(struct node *p, bool impatient)
         bus_wait(&p->bus, wanted, whole_ns);
         most_ns -= whole_ns;
     }
-    (broker_by_steps(p->broker) ? bus_wait : bus_wait_awake)(&p->bus, 1, most_ns);
+    bus_wait(&p->bus, 1, most_ns);
 }
 
 /* What must be on disk before any process is told. */

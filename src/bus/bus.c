@@ -3,7 +3,9 @@
 
 #include "bus/bus_arrivals.h"
 #include "bus/bus_fault.h"
+#include "bus/local.h"
 #include "bus/topics.h"
+#include "core/clock.h"
 #include "muster/memory.h"
 
 #include <string.h>
@@ -77,10 +79,12 @@ mu_result bus_reader_open_deep(struct bus *bus, enum bus_topic topic, const char
     }
     dds_listener_t *listener = dds_create_listener(reader);
     dds_lset_data_available(listener, bus_arrivals_note);
+    local_reader_open(reader, qos);
     reader->reader = dds_create_reader(subscriber, about, qos, listener);
     dds_delete_listener(listener);
     dds_delete_qos(qos);
     if (reader->reader < 0) {
+        local_reader_close(reader);
         dds_delete(subscriber);
         return bus_fault("reader", reader->reader);
     }
@@ -90,7 +94,7 @@ mu_result bus_reader_open_deep(struct bus *bus, enum bus_topic topic, const char
 mu_result bus_writer_open(struct bus *bus, enum bus_topic topic, const char *first,
                           const char *second, struct bus_writer *writer)
 {
-    *writer = (struct bus_writer){0};
+    *writer = (struct bus_writer){.bus = bus};
     dds_entity_t about = topic_open(bus, topic, first);
     if (about < 0) {
         return bus_fault(topic_table[topic].name, about);
@@ -104,31 +108,51 @@ mu_result bus_writer_open(struct bus *bus, enum bus_topic topic, const char *fir
         return bus_fault("publisher", writer->publisher);
     }
     dds_qos_t *qos = topics_qos(&topic_table[topic]);
-    writer->writer = dds_create_writer(writer->publisher, about, qos, NULL);
+    dds_listener_t *listener = dds_create_listener(bus);
+    dds_lset_publication_matched(listener, bus_arrivals_match);
+    writer->writer = dds_create_writer(writer->publisher, about, qos,
+                                       topic_table[topic].local ? listener : NULL);
+    dds_delete_listener(listener);
     dds_delete_qos(qos);
     if (writer->writer < 0) {
         dds_return_t why = writer->writer;
         bus_writer_close(writer); /* the caller tries again, each round if need be */
         return bus_fault("writer", why);
     }
+    local_writer_open(bus, topic, writer);
     return MU_OK;
 }
 
 void bus_writer_close(struct bus_writer *writer)
 {
+    local_writer_close(writer);
     if (writer->publisher > 0) {
         dds_delete(writer->publisher); /* and its writer */
     }
     *writer = (struct bus_writer){0};
 }
 
+static mu_result written(dds_return_t code)
+{
+    return code == DDS_RETCODE_OK        ? MU_OK
+           : code == DDS_RETCODE_TIMEOUT ? MU_BUSY
+                                         : bus_fault("write", code);
+}
+
 mu_result bus_write(const struct bus_writer *writer, const void *sample)
 {
-    dds_return_t code = dds_write(writer->writer, sample);
-    if (code == DDS_RETCODE_OK) {
-        return MU_OK;
+    struct local_writer *local = writer->local;
+    if (!local) {
+        return written(dds_write(writer->writer, sample));
     }
-    return code == DDS_RETCODE_TIMEOUT ? MU_BUSY : bus_fault("write", code);
+    if (!local_has_room(local)) {
+        return MU_BUSY;
+    }
+    mu_result result = MU_OK;
+    if (local_needs_dds(local)) {
+        result = written(dds_write_ts(writer->writer, sample, local_stamp(local)));
+    }
+    return result == MU_OK ? local_write(local, sample) : result;
 }
 
 void bus_dispose(const struct bus_writer *writer, const void *sample)
@@ -159,10 +183,14 @@ void bus_reader_close(struct bus_reader *r)
     }
     dds_delete(dds_get_parent(r->reader)); /* its subscriber, and it: nothing arrives any more */
     r->reader = 0;
+    local_reader_close(r);
     bus_arrivals_taken(r, r->arrived); /* the samples that lie there are not looked at */
     samples_empty(r);
     r->count = r->next = 0;
 }
+
+/* Not handed out: it comes, or came, by a socket, too. */
+static const uint32_t SAMPLE_SEEN = BUS_LOST + 1;
 
 /* What one sample of a batch says.  When its writer went while it lay unread, DDS has no other
  * sample to say so: then the last one of its instance is handed out once more, as its end. */
@@ -173,12 +201,21 @@ static void sample_judge(struct bus_reader *r, int32_t i, const dds_sample_info_
                                                                               : BUS_LOST;
     r->states[i] = info->valid_data ? BUS_DATA : fate;
     r->fates[i] = info->valid_data && info->sample_rank == 0 ? fate : BUS_DATA;
+    if (info->valid_data && local_has(r, info)) {
+        r->states[i] = SAMPLE_SEEN;
+    }
 }
 
-/* Takes the next batch.  @return whether there is anything in it */
+/* Takes the next batch.  What sockets have brought by the time that a sample of DDS is handed out
+ * is read before: a process that leaves has written its last words there before.
+ * @return whether there is anything in it */
 static bool batch_take(struct bus_reader *r)
 {
-    r->count = r->next = 0;
+    r->next = 0;
+    r->count = local_take(r);
+    if (r->count > 0) {
+        return true;
+    }
     uint64_t arrived;
     if (!bus_arrivals_are_news(r, &arrived)) {
         return false;
@@ -194,6 +231,9 @@ static bool batch_take(struct bus_reader *r)
     }
     for (int32_t i = 0; i < r->count; i++) {
         sample_judge(r, i, &infos[i]);
+    }
+    if (r->count > 0) {
+        bus_arrivals_poll(r->bus, 0);
     }
     return r->count > 0;
 }
@@ -216,6 +256,9 @@ const void *bus_next(struct bus_reader *r, enum bus_life *life)
             return NULL;
         }
         int32_t i = r->next++;
+        if (r->states[i] == SAMPLE_SEEN) {
+            continue;
+        }
         enum bus_life state = (enum bus_life)r->states[i];
         if (state != BUS_DATA || topic_table[r->topic].check(r->samples[i])) {
             *life = state;
@@ -238,7 +281,17 @@ void *bus_keep(struct bus_reader *r, void *spare)
     return kept;
 }
 
+/* That a reader has read is no news: it is looked for this often. */
+static const int64_t DRAIN_LOOK_NS = 1000000;
+
 bool bus_drain(const struct bus_writer *writer, int64_t timeout_ns)
 {
-    return dds_wait_for_acks(writer->writer, timeout_ns) == DDS_RETCODE_OK;
+    uint64_t until_ns = mu_clock_ns() + (timeout_ns > 0 ? (uint64_t)timeout_ns : 0);
+    int64_t left_ns = timeout_ns;
+    while (writer->local && !local_is_out(writer->local) && left_ns > 0) {
+        bus_arrivals_poll(writer->bus, left_ns < DRAIN_LOOK_NS ? left_ns : DRAIN_LOOK_NS);
+        left_ns = (int64_t)(until_ns - mu_clock_ns());
+    }
+    return (!writer->local || local_is_out(writer->local)) &&
+           dds_wait_for_acks(writer->writer, left_ns > 0 ? left_ns : 0) == DDS_RETCODE_OK;
 }

@@ -4,9 +4,9 @@
  * The network under muster: Eclipse Cyclone DDS behind a dozen calls.
  *
  * Only src/bus sees the DDS headers.  Samples are the C types of idl/wire.idl.  One thread at a
- * time; no call waits but those that take a time: bus_wait and its like, and bus_drain.  The only
- * listeners count arrivals: nothing is read or written from them, unless a waiting thread lends its
- * turn (bus_wait_lending).
+ * time; no call waits but those that take a time, bus_wait and bus_drain.  The only listeners count
+ * arrivals and matches: nothing is read or written from them.  Programs cannot tell which way a
+ * sample came: by DDS, or between processes of one host by a socket (local.h).
  */
 #ifndef MUSTER_BUS_BUS_H
 #define MUSTER_BUS_BUS_H
@@ -15,9 +15,12 @@
 #include "muster/result.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+#define LOCAL_ENVIRONMENT "MUSTER_LOCAL"
 
 /* Where a process stands in the star: the participant index that the others find it at. */
 enum bus_place {
@@ -60,9 +63,14 @@ struct bus_options {
     const char *interface; /* address of the network interface; NULL: 127.0.0.1 */
     const char *hub;       /* hosts of brokers and simulator, joined by commas; NULL: the
                               interface's own address, which hubs always peer with, too */
+    const char *local;     /* "off": DDS alone; NULL: as LOCAL_ENVIRONMENT says, else "on" */
 };
 
 enum { BUS_BATCH = 32 };
+
+/* The other sides of one endpoint that are looked at: all processes that a domain can have, and
+ * their watchers. */
+enum { BUS_ENDPOINTS_MAX = 1024 };
 
 struct bus {
     int32_t domain; /* ours to close; 0: CYCLONEDDS_URI has made it */
@@ -71,25 +79,28 @@ struct bus {
     int index;                     /* of the participant; -1: CYCLONEDDS_URI says */
     int32_t topics[BUS_TOPICS][2]; /* bare, and described (topics.h); 0: not opened yet */
     uint64_t malformed;            /* samples refused at the border */
-    /* How many samples lie in the readers.  Counted by listeners, in threads of DDS. */
+    /* How many samples of DDS lie in the readers.  Counted by listeners, in threads of DDS. */
     pthread_mutex_t lock;
-    pthread_cond_t arrival;
-    uint64_t arrived;         /* samples, ever */
-    uint64_t taken;           /* of them, no longer in a reader */
-    uint64_t wanted;          /* bus_wait wakes when so many are there; 0: no thread waits */
-    uint64_t last_wait_ns;    /* how long bus_wait waited last time */
-    uint64_t asleep_until_ns; /* until then it does not wait awake */
-    bool (*turn)(void *self); /* of the thread that waits and lends it; NULL: none does */
-    void *turn_self;
-    bool turning; /* a thread of DDS has it */
-    bool called;  /* its owner wants it, or has to look */
-    bool wakes;   /* a caller has asked for wake_fd, an eventfd that each arrival is written to */
-    int wake_fd;
+    uint64_t arrived;            /* samples, ever */
+    uint64_t taken;              /* of them, no longer in a reader */
+    uint64_t wanted;             /* bus_wait wakes when so many are there; 0: no thread waits */
+    bool wakes;                  /* a caller has asked for wake_fd: each arrival is news to it */
+    int poll_fd;                 /* an epoll of all that brings samples: */
+    int note_fd;                 /* an eventfd that listeners write to, and sockets (local.h) */
+    bool local;                  /* there may be sockets */
+    uint64_t local_frames;       /* what has come by them and was not taken: samples, ends */
+    uint64_t local_refused;      /* connections that did not come about */
+    struct local_door *doors;    /* all readers with sockets */
+    struct local_writer *locals; /* all writers with sockets */
+    struct dds_ostream *room;    /* where a sample for them is put together */
+    _Atomic uint32_t matches;    /* how often DDS has matched or missed a reader of theirs */
 };
 
 struct bus_writer {
+    struct bus *bus;
     int32_t writer;
     int32_t publisher;
+    struct local_writer *local; /* NULL: DDS alone */
 };
 
 /* A reader takes a batch of samples and hands them out one at a time. */
@@ -97,6 +108,7 @@ struct bus_reader {
     struct bus *bus;
     enum bus_topic topic;
     int32_t reader;
+    struct local_door *door; /* NULL: DDS alone */
     uint64_t arrived, taken; /* as in struct bus, of this reader; under its lock */
     uint64_t looked_ns;      /* when it was last asked for samples */
     int32_t count, next;     /* of the batch */
@@ -230,34 +242,22 @@ void *bus_keep(struct bus_reader *reader, void *spare);
 void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns);
 
 /**
- * The same where mail goes to and fro: there the next sample comes sooner than a thread falls
- * asleep and wakes, so that a wait behind a short one begins awake.  Not for a lock step, in which
- * the time belongs to the others.
- */
-void bus_wait_awake(struct bus *bus, uint64_t samples, int64_t timeout_ns);
-
-/**
- * Waits, and lends its turn: whichever thread of DDS brings a sample calls turn there and then,
- * which saves waking the caller.  Meanwhile the caller waits, so that one thread at a time has the
- * bus.
- *
- * While turn runs, that thread receives nothing, and DDS holds the writer whose sample it brought:
- * turn has to be brief, may take samples and write, and neither opens nor closes anything.
- *
- * @param timeout_ns  at most so long, and until a turn that has begun is over; not < 0
- * @param turn        returns whether all is done, until more samples come; else the caller goes on,
- *                    as it does when samples lie in readers that turn does not look into
- */
-void bus_wait_lending(struct bus *bus, int64_t timeout_ns, bool (*turn)(void *self), void *self);
-
-/**
  * Gives a file descriptor that is readable when samples have arrived since the last bus_wait.
  *
  * @return the bus's own; -1: the system has none left
  */
 int bus_wake_fd(struct bus *bus);
 
-/** Waits until everything written has been acknowledged by its readers.  @return whether it has */
+/* The sides that the writers with sockets have found. */
+struct bus_ways {
+    uint64_t sockets, dds; /* that get their samples so, now */
+    uint64_t refused;      /* connections that did not come about, ever: those are with DDS */
+};
+
+void bus_ways(const struct bus *bus, struct bus_ways *ways);
+
+/** Waits until everything written has been acknowledged by its readers, or read from the socket:
+ * they take it before what DDS brings later.  @return whether it has */
 bool bus_drain(const struct bus_writer *writer, int64_t timeout_ns);
 
 /** @return the version of DDS, "0.10.2" */

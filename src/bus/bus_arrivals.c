@@ -3,54 +3,38 @@
 
 #include "core/clock.h"
 
-#include <sched.h>
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <time.h>
+#include <unistd.h>
 
 /* A reader in which nothing has arrived is looked into all the same from time to time: the end of a
  * writer is no sample, and not every listener hears of it. */
 static const uint64_t LOOK_NS = 20000000;
 
-static const uint64_t AWAKE_NS = 200000;
-static const uint64_t BUSY_MACHINE_NS = 100000000;
-
-void bus_arrivals_init(struct bus *bus)
+mu_result bus_arrivals_open(struct bus *bus)
 {
-    pthread_condattr_t clock;
-    pthread_condattr_init(&clock);
-    pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
     pthread_mutex_init(&bus->lock, NULL);
-    pthread_cond_init(&bus->arrival, &clock);
-    pthread_condattr_destroy(&clock);
+    bus->poll_fd = epoll_create1(EPOLL_CLOEXEC);
+    bus->note_fd = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+    struct epoll_event note = {.events = EPOLLIN, .data.ptr = NULL};
+    if (epoll_ctl(bus->poll_fd, EPOLL_CTL_ADD, bus->note_fd, &note) != 0) {
+        perror("muster: no descriptor is left to wait with");
+        return MU_FAULT_OS;
+    }
+    return MU_OK;
 }
 
-static bool has_come(const struct bus *bus, uint64_t samples)
+void bus_arrivals_close(struct bus *bus)
 {
-    return bus->arrived - bus->taken >= samples;
+    close(bus->poll_fd);
+    close(bus->note_fd);
 }
 
 /* --- counting --------------------------------------------------------------------------------- */
-
-/* Runs in the thread of DDS that has the turn, for as long as that empties the readers.  As a rule
- * it is the one that receives; the end of a writer is said by others. */
-static void turns_take(struct bus *bus)
-{
-    bool again = true, call = false;
-    while (again) {
-        uint64_t taken = bus->taken; /* of all threads only this one takes */
-        bool plain = bus->turn(bus->turn_self);
-        pthread_mutex_lock(&bus->lock);
-        bool more = has_come(bus, 1);
-        again = plain && more && !bus->called && bus->taken != taken;
-        bus->called = bus->called || !plain || (more && !again);
-        bus->turning = again;
-        call = bus->called && !again;
-        pthread_mutex_unlock(&bus->lock);
-    }
-    if (call) {
-        pthread_cond_signal(&bus->arrival);
-    }
-}
 
 void bus_arrivals_note(int32_t entity, void *reader)
 {
@@ -60,19 +44,20 @@ void bus_arrivals_note(int32_t entity, void *reader)
     pthread_mutex_lock(&bus->lock);
     r->arrived++;
     bus->arrived++;
-    bool lent = bus->turn && !bus->turning && !bus->called;
-    bus->turning = bus->turning || lent;
     bool enough = bus->wanted > 0 && bus->arrived - bus->taken >= bus->wanted;
     bus->wanted = enough ? 0 : bus->wanted; /* one wake for one wait */
-    if (bus->wakes) {
-        (void)eventfd_write(bus->wake_fd, 1); /* full is readable, too */
-    }
+    bool tells = enough || bus->wakes;
     pthread_mutex_unlock(&bus->lock);
-    if (lent) {
-        turns_take(bus);
-    } else if (enough) {
-        pthread_cond_signal(&bus->arrival); /* a thread that wakes finds the lock free */
+    if (tells) {
+        (void)eventfd_write(bus->note_fd, 1); /* full is readable, too */
     }
+}
+
+void bus_arrivals_match(dds_entity_t writer, dds_publication_matched_status_t status, void *bus)
+{
+    (void)writer;
+    (void)status;
+    atomic_fetch_add(&((struct bus *)bus)->matches, 1);
 }
 
 bool bus_arrivals_are_news(struct bus_reader *r, uint64_t *arrived)
@@ -97,110 +82,81 @@ void bus_arrivals_taken(struct bus_reader *r, uint64_t arrived)
     pthread_mutex_unlock(&r->bus->lock);
 }
 
+/* --- descriptors ------------------------------------------------------------------------------ */
+
+/* By milliseconds, upwards, where the system knows no shorter ones (before Linux 5.11). */
+static int events_wait(int fd, struct epoll_event *events, int most, int64_t timeout_ns)
+{
+    const struct timespec time = {timeout_ns / 1000000000, timeout_ns % 1000000000};
+    int count = epoll_pwait2(fd, events, most, &time, NULL);
+    if (count < 0 && errno == ENOSYS) {
+        int64_t ms = (timeout_ns + 999999) / 1000000;
+        count = epoll_wait(fd, events, most, ms < INT_MAX ? (int)ms : INT_MAX);
+    }
+    return count;
+}
+
+void bus_arrivals_poll(struct bus *bus, int64_t timeout_ns)
+{
+    enum { AT_ONCE = 64 };
+    struct epoll_event events[AT_ONCE];
+    eventfd_t notes;
+    int count = events_wait(bus->poll_fd, events, AT_ONCE, timeout_ns);
+    for (int i = 0; i < count; i++) {
+        struct local_source *source = events[i].data.ptr;
+        if (!source) {
+            (void)eventfd_read(bus->note_fd, &notes);
+        } else if (source->kind == LOCAL_OUTPUT) {
+            local_writer_ready(source, events[i].events);
+        } else {
+            local_reader_ready(bus, source);
+        }
+    }
+}
+
 /* --- waiting ---------------------------------------------------------------------------------- */
 
 int bus_wake_fd(struct bus *bus)
 {
     pthread_mutex_lock(&bus->lock);
-    if (!bus->wakes) {
-        bus->wake_fd = eventfd(bus->arrived != bus->taken, EFD_NONBLOCK | EFD_CLOEXEC);
-        bus->wakes = bus->wake_fd >= 0;
-    }
-    int fd = bus->wake_fd;
+    bool lie_there = !bus->wakes && bus->arrived != bus->taken;
+    bus->wakes = true;
     pthread_mutex_unlock(&bus->lock);
-    return fd;
+    if (lie_there) {
+        (void)eventfd_write(bus->note_fd, 1);
+    }
+    return bus->poll_fd;
 }
 
-/* Called with the lock.  Yields to other threads. On a busy machine that is the worse way: a
- * sleeping thread is woken at once, a yielding one waits for its turn. When a turn has taken long,
- * the next waits are asleep. */
-static void wait_awake(struct bus *bus, uint64_t samples, uint64_t now_ns, uint64_t until_ns)
+/* Says how many samples a listener has to wait for.  @return whether that many are there */
+static bool samples_want(struct bus *bus, uint64_t samples)
 {
-    if (bus->last_wait_ns > AWAKE_NS || now_ns < bus->asleep_until_ns) {
-        return;
-    }
-    uint64_t end_ns = now_ns + AWAKE_NS < until_ns ? now_ns + AWAKE_NS : until_ns;
-    while (!has_come(bus, samples) && now_ns < end_ns) {
-        pthread_mutex_unlock(&bus->lock);
-        sched_yield();
-        pthread_mutex_lock(&bus->lock);
-        now_ns = mu_clock_ns();
-    }
-    if (now_ns > end_ns + AWAKE_NS) {
-        bus->asleep_until_ns = now_ns + BUSY_MACHINE_NS;
-    }
-}
-
-static struct timespec instant(uint64_t ns)
-{
-    return (struct timespec){.tv_sec = (time_t)(ns / 1000000000u),
-                             .tv_nsec = (long)(ns % 1000000000u)};
-}
-
-/* Called with the lock. */
-static void wait_asleep(struct bus *bus, uint64_t samples, uint64_t until_ns)
-{
-    const struct timespec until = instant(until_ns);
-    int waited = 0;
-    bus->wanted = samples;
-    while (!has_come(bus, samples) && waited == 0) {
-        waited = pthread_cond_timedwait(&bus->arrival, &bus->lock, &until);
-    }
-    bus->wanted = 0;
-}
-
-/* Called with the lock: what comes from now on is news to a poll loop. */
-static void arrivals_forget(struct bus *bus)
-{
-    eventfd_t count;
-    if (bus->wakes) {
-        (void)eventfd_read(bus->wake_fd, &count);
-    }
-}
-
-static void arrivals_await(struct bus *bus, uint64_t samples, int64_t timeout_ns, bool awake)
-{
-    uint64_t began_ns = mu_clock_ns();
-    uint64_t until_ns = began_ns + (timeout_ns > 0 ? (uint64_t)timeout_ns : 0);
     pthread_mutex_lock(&bus->lock);
-    arrivals_forget(bus);
-    if (samples == 0) {
-        samples = bus->arrived - bus->taken + 1;
-    }
-    if (awake) {
-        wait_awake(bus, samples, began_ns, until_ns);
-    }
-    wait_asleep(bus, samples, until_ns);
+    bool come = bus->arrived - bus->taken + bus->local_frames >= samples;
+    bus->wanted = come ? 0 : samples - bus->local_frames;
     pthread_mutex_unlock(&bus->lock);
-    bus->last_wait_ns = mu_clock_ns() - began_ns;
+    return come;
+}
+
+static uint64_t samples_there(struct bus *bus)
+{
+    pthread_mutex_lock(&bus->lock);
+    uint64_t there = bus->arrived - bus->taken + bus->local_frames;
+    pthread_mutex_unlock(&bus->lock);
+    return there;
 }
 
 void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
 {
-    arrivals_await(bus, samples, timeout_ns, false);
-}
-
-void bus_wait_awake(struct bus *bus, uint64_t samples, int64_t timeout_ns)
-{
-    arrivals_await(bus, samples, timeout_ns, true);
-}
-
-void bus_wait_lending(struct bus *bus, int64_t timeout_ns, bool (*turn)(void *self), void *self)
-{
-    const struct timespec until = instant(mu_clock_ns() + (uint64_t)timeout_ns);
-    int waited = 0;
-    pthread_mutex_lock(&bus->lock);
-    arrivals_forget(bus);
-    bus->turn = turn;
-    bus->turn_self = self;
-    bus->called = has_come(bus, 1);
-    while (!bus->called && waited == 0) {
-        waited = pthread_cond_timedwait(&bus->arrival, &bus->lock, &until);
-    }
-    bus->called = true; /* the thread with the turn gives it back */
-    while (bus->turning) {
-        pthread_cond_wait(&bus->arrival, &bus->lock);
-    }
-    bus->turn = NULL;
-    pthread_mutex_unlock(&bus->lock);
+    uint64_t now_ns = mu_clock_ns(),
+             until_ns = now_ns + (timeout_ns > 0 ? (uint64_t)timeout_ns : 0);
+    samples = samples > 0 ? samples : samples_there(bus) + 1;
+    local_match(bus);
+    bool come = samples_want(bus, samples);
+    do {
+        bus_arrivals_poll(bus, come ? 0 : (int64_t)(until_ns - now_ns));
+        now_ns = mu_clock_ns();
+        come = samples_want(bus, samples);
+    } while (!come && now_ns < until_ns);
+    (void)samples_want(bus, 0);
 }

@@ -3,14 +3,26 @@
  * @file bus_arrivals.h
  * How many samples lie in the readers, and the thread that sleeps until there is one.
  *
- * Threads of DDS count, under the lock of the bus; the thread that has the bus takes.
+ * Threads of DDS count, under the lock of the bus; the thread that has the bus takes, and reads the
+ * sockets (local.h).
  */
 #ifndef MUSTER_BUS_BUS_ARRIVALS_H
 #define MUSTER_BUS_BUS_ARRIVALS_H
 
 #include "bus/bus.h"
+#include "bus/local.h"
 
-void bus_arrivals_init(struct bus *bus);
+/** @return MU_OK; MU_FAULT_OS: no descriptor is left */
+MU_MUST_USE mu_result bus_arrivals_open(struct bus *bus);
+
+void bus_arrivals_close(struct bus *bus);
+
+/** Reads and writes what sockets have or take.  Waits for that, or a listener, for at most so long.
+ */
+void bus_arrivals_poll(struct bus *bus, int64_t timeout_ns);
+
+/** Listener of a writer, whose argument is the bus. */
+void bus_arrivals_match(dds_entity_t writer, dds_publication_matched_status_t status, void *bus);
 
 /** Listener of a reader, whose argument it is; runs in a thread of DDS, once for each sample. */
 void bus_arrivals_note(int32_t entity, void *reader);

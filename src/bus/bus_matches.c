@@ -5,10 +5,6 @@
 #include <dds/dds.h>
 #include <string.h>
 
-/* The other sides of one endpoint that are looked at: all processes that a domain can have, and
- * their watchers. */
-enum { ENDPOINTS_MAX = 1024 };
-
 /* @return whether one of the partitions that an endpoint names is this one */
 static bool endpoint_names(const dds_builtintopic_endpoint_t *endpoint, const char *partition)
 {
@@ -28,10 +24,10 @@ static bool endpoint_names(const dds_builtintopic_endpoint_t *endpoint, const ch
 /* Finds the process that reads a partition by its name.  @return whether there is one */
 static bool reader_find(const struct bus_writer *writer, const char *partition, dds_guid_t *process)
 {
-    dds_instance_handle_t readers[ENDPOINTS_MAX];
-    dds_return_t count = dds_get_matched_subscriptions(writer->writer, readers, ENDPOINTS_MAX);
+    dds_instance_handle_t readers[BUS_ENDPOINTS_MAX];
+    dds_return_t count = dds_get_matched_subscriptions(writer->writer, readers, BUS_ENDPOINTS_MAX);
     bool found = false;
-    for (dds_return_t i = 0; i < count && i < ENDPOINTS_MAX && !found; i++) {
+    for (dds_return_t i = 0; i < count && i < BUS_ENDPOINTS_MAX && !found; i++) {
         dds_builtintopic_endpoint_t *endpoint =
             dds_get_matched_subscription_data(writer->writer, readers[i]);
         if (endpoint) {
@@ -57,10 +53,10 @@ typedef dds_builtintopic_endpoint_t *other_of(dds_entity_t endpoint, dds_instanc
 static bool process_is_among(const dds_guid_t *process, dds_entity_t endpoint, others_of *matched,
                              other_of *about)
 {
-    dds_instance_handle_t others[ENDPOINTS_MAX];
-    dds_return_t count = matched(endpoint, others, ENDPOINTS_MAX);
+    dds_instance_handle_t others[BUS_ENDPOINTS_MAX];
+    dds_return_t count = matched(endpoint, others, BUS_ENDPOINTS_MAX);
     bool found = false;
-    for (dds_return_t i = 0; i < count && i < ENDPOINTS_MAX && !found; i++) {
+    for (dds_return_t i = 0; i < count && i < BUS_ENDPOINTS_MAX && !found; i++) {
         dds_builtintopic_endpoint_t *other = about(endpoint, others[i]);
         if (other) {
             found = memcmp(&other->participant_key, process, sizeof *process) == 0;

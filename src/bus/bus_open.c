@@ -4,6 +4,7 @@
 #include "bus/bus_arrivals.h"
 #include "bus/bus_fault.h"
 #include "bus/config.h"
+#include "bus/local_frame.h"
 #include "bus/loopback.h"
 #include "core/network.h"
 #include "muster/limits.h"
@@ -180,6 +181,12 @@ mu_result bus_open(struct bus *bus, const struct bus_options *options)
                 MU_DOMAIN_MAX);
         return MU_FAULT_USAGE;
     }
+    const char *says = options->local ? options->local : getenv(LOCAL_ENVIRONMENT);
+    bool local = !says || !says[0] || strcmp(says, "on") == 0;
+    if (!local && strcmp(says, "off") != 0) {
+        fprintf(stderr, "expected --local on or off, not '%s'\n", says);
+        return MU_FAULT_USAGE;
+    }
     const char *uri = getenv("CYCLONEDDS_URI");
     if (!uri || !uri[0]) {
         mu_result opened = peers_find(options->hub);
@@ -196,8 +203,10 @@ mu_result bus_open(struct bus *bus, const struct bus_options *options)
         domain_close(bus);
         return bus_fault("participant", bus->participant);
     }
-    bus_arrivals_init(bus);
-    return MU_OK;
+    bus->local = local;
+    bus->room = dds_alloc(sizeof *bus->room);
+    *bus->room = (dds_ostream_t){.m_xcdr_version = LOCAL_CDR};
+    return bus_arrivals_open(bus);
 }
 
 mu_result bus_join(struct bus *bus, const struct mu_network *network, enum bus_place place,
@@ -207,7 +216,8 @@ mu_result bus_join(struct bus *bus, const struct mu_network *network, enum bus_p
                                   .place = place,
                                   .name = name,
                                   .interface = network->interface,
-                                  .hub = mu_network_peers(network)};
+                                  .hub = mu_network_peers(network),
+                                  .local = network->local};
     return bus_open(bus, &options);
 }
 
@@ -216,9 +226,12 @@ void bus_close(struct bus *bus)
     dds_delete(bus->participant);
     bus->participant = 0;
     domain_close(bus);
-    if (bus->wakes) {
-        close(bus->wake_fd);
-        bus->wakes = false;
+    if (bus->room) {
+        local_readers_close(bus);
+        local_writers_close(bus);
+        dds_free(bus->room->m_buffer);
+        dds_free(bus->room);
+        bus_arrivals_close(bus);
     }
 }
 

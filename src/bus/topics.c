@@ -14,15 +14,15 @@ const struct topic topic_table[BUS_TOPICS] = {
          .from_to = "agent's process to broker and simulator",
          .carries =
              "the agents of a process, 64 in a part, and their states; its liveliness is theirs"},
-    [BUS_UP] = {"Up", &muster_Up_desc, .keeps_all = true, .check = check_up,
+    [BUS_UP] = {"Up", &muster_Up_desc, .keeps_all = true, .local = true, .check = check_up,
                 .partition = "`broker.NAME`; `simulator` too for robots",
                 .from_to = "agent's process to broker and simulator",
                 .carries = "what its agents did in a step: speeds, mails, rules fired"},
-    [BUS_SENSE] = {"Sense", &muster_Sense_desc, .describer = DESCRIBED_BY_AGENTS,
+    [BUS_SENSE] = {"Sense", &muster_Sense_desc, .local = true, .describer = DESCRIBED_BY_AGENTS,
                    .check = check_sense, .partition = "the process",
                    .from_to = "simulator to robot's process",
                    .carries = "a new step: percepts of the process's robots"},
-    [BUS_DELIVERY] = {"Delivery", &muster_Delivery_desc, .keeps_all = true,
+    [BUS_DELIVERY] = {"Delivery", &muster_Delivery_desc, .keeps_all = true, .local = true,
                       .describer = DESCRIBED_TO_ALL, .check = check_delivery,
                       .partition = "the process; `to all`", .from_to = "broker to agent's process",
                       .carries =
@@ -108,18 +108,19 @@ dds_qos_t *topics_qos(const struct topic *topic)
 
 void bus_print_topics(void)
 {
-    printf("| topic | type | history | durability | partition | from, to | carries |\n"
-           "|---|---|---|---|---|---|---|\n");
+    printf("| topic | type | history | durability | partition | from, to | way | carries |\n"
+           "|---|---|---|---|---|---|---|---|\n");
     for (size_t i = 0; i < BUS_TOPICS; i++) {
         const struct topic *t = &topic_table[i];
         char history[32] = "keep all";
         if (!t->keeps_all) {
             snprintf(history, sizeof history, "keep last %d", (int)topics_depth(t));
         }
-        printf("| `%s` | `%s` | %s | %s%s | %s | %s | %s |\n", t->name, t->descriptor->m_typename,
-               history, t->for_late_comers ? "transient local" : "volatile",
+        printf("| `%s` | `%s` | %s | %s%s | %s | %s | %s | %s |\n", t->name,
+               t->descriptor->m_typename, history,
+               t->for_late_comers ? "transient local" : "volatile",
                t->liveliness_ns ? ", liveliness automatic 1 s" : "", t->partition, t->from_to,
-               t->carries);
+               t->local ? "sockets on one host, else DDS" : "DDS", t->carries);
     }
     printf("\nAll are reliable, with a maximum blocking time of 0.\n");
 }

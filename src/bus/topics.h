@@ -25,6 +25,7 @@ struct topic {
     bool keeps_all;       /* history KEEP_ALL; else KEEP_LAST */
     int32_t depth;        /* of KEEP_LAST; 0: 1 */
     bool for_late_comers; /* durability TRANSIENT_LOCAL */
+    bool local;           /* between processes of one host its samples go by sockets (local.h) */
     enum topic_describer describer;
     int64_t liveliness_ns;             /* 0: infinite */
     bool (*check)(const void *sample); /* false: breaks a rule of the wire */

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "bus/traffic.h"
 
+#include "bus/bus.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/mman.h>
@@ -25,6 +27,7 @@ mu_result traffic_make(struct traffic **out, uint64_t seed, const char *library)
     const char *others = getenv("LD_PRELOAD");
     snprintf(preload, sizeof preload, "LD_PRELOAD=%s%s%s", others ? others : "", others ? " " : "",
              library);
+    setenv(LOCAL_ENVIRONMENT, "off", 1); /* all is packets */
     traffic_child(0);
     return MU_OK;
 }

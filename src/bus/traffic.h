@@ -6,7 +6,8 @@
  * The starter of processes makes a table in shared memory, and tells each child in its environment
  * where the table is and which part of the run it is.  Every UDP packet that Cyclone sends to a
  * port of another part goes by the table: a library that these children load before others
- * (LD_PRELOAD, src/faults) stands before the system's sendmsg(). No other process has it.
+ * (LD_PRELOAD, src/faults) stands before the system's sendmsg(). No other process has it.  Such a
+ * run uses DDS alone, no sockets (local.h).
  */
 #ifndef MUSTER_BUS_TRAFFIC_H
 #define MUSTER_BUS_TRAFFIC_H

@@ -12,6 +12,7 @@
 struct mu_network {
     int64_t domain;
     const char *interface;       /* NULL: loopback */
+    const char *local;           /* "off": DDS alone between processes of this host, too; or NULL */
     struct mu_option_list peers; /* none: brokers and simulator are on this host */
     const char *broker;          /* the one to begin with; NULL: the nearest */
     double wait_broker_s;        /* for one that answers; 0: the default */
@@ -24,6 +25,9 @@ struct mu_network {
         MU_STRING("interface", "ADDRESS", (network).interface,                                \
                   "network interface (default: loopback alone)",                              \
                   .environment = "MUSTER_INTERFACE"),                                         \
+        MU_STRING("local", "on|off", (network).local,                                         \
+                  "sockets beside DDS between processes of one host (default: on)",           \
+                  .environment = "MUSTER_LOCAL"),                                             \
         MU_LIST("peer", "HOST", (network).peers,                                              \
                 "host of brokers and simulator, when it is another; may stand several times", \
                 .environment = "MUSTER_PEER")

@@ -20,6 +20,7 @@
 
 struct run_options {
     const char *file;
+    const char *local;    /* LOCAL_ENVIRONMENT of all its processes; NULL: as it is */
     int64_t seed, domain; /* < 0: the file's; the first free one */
     double duration_s;    /* < 0: the file's */
     double rate, limit_s;

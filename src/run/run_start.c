@@ -205,6 +205,9 @@ static void network_name(const struct run *r, const char *broker)
     snprintf(domain, sizeof domain, "%d", r->domain);
     setenv("MUSTER_DOMAIN", domain, 1);
     setenv("MUSTER_BROKER", broker, 1);
+    if (r->options.local) {
+        setenv(LOCAL_ENVIRONMENT, r->options.local, 1);
+    }
 }
 
 /* The agents of a controller, and where it may keep what it needs to go on after its death. */

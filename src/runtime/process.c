@@ -62,7 +62,7 @@ void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails)
 static bool options_fit(const struct mu_process_options *options)
 {
     return options->agents <= MU_LOCAL_AGENTS_MAX && options->outbox <= MU_OUTBOX_MOST &&
-           options->with_body + options->watches + options->brief <= 1;
+           !(options->with_body && options->watches);
 }
 
 /* @return as mu_process_open; what it opened and cannot use is closed again */
@@ -112,7 +112,6 @@ mu_result mu_process_open(mu_process **out, const struct mu_process_options *opt
     mu_process *p = mu_startup_alloc(sizeof *p);
     p->role = options->with_body ? PROCESS_BODY
               : options->watches ? PROCESS_WATCH
-              : options->brief   ? PROCESS_BRIEF
                                  : PROCESS_PLAIN;
     p->pid = getpid();
     process_take_memory(p, options->agents, options->outbox);

@@ -95,7 +95,6 @@ enum process_role {
     PROCESS_PLAIN,
     PROCESS_BODY,  /* the simulator's steps move its agents' bodies */
     PROCESS_WATCH, /* the simulator's steps show it all bodies */
-    PROCESS_BRIEF, /* the thread that brings mail handles it (bus_wait_lending) */
 };
 
 /* A process and the simulator's steps. */
@@ -163,7 +162,6 @@ struct mu_process {
     pid_t pid;               /* that opened it: a child has no threads of DDS */
     bool spins;              /* in mu_process_spin, and so in handlers */
     bool runs;               /* in mu_process_run */
-    uint64_t looks_ns;       /* the thread that has lent the turn waits until then */
     struct mu_agent *agents; /* agents_max of them; one that has left keeps its place */
     uint32_t agents_max, agent_count;
     struct mu_table names;                 /* of agents */

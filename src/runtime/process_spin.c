@@ -28,9 +28,6 @@ static const int64_t CLOSE_PATIENCE_NS = 200000000;
  * no agent that asks for the name before that. */
 static const uint64_t LEAVE_PATIENCE_NS = 500000000;
 
-/* A look that is due may be so much late if that saves a wake. */
-static const uint64_t LATE_NS = 1000000;
-
 /* The white pages show handlers that run for longer. */
 static const uint64_t BUSY_NS = 500000000;
 
@@ -186,27 +183,6 @@ static void handle_all(mu_process *p)
     }
 }
 
-/* --- turns that the thread which brings mail takes itself ------------------------------------- */
-
-/* @return whether nothing is to be done but to handle mail */
-static bool may_lend(const mu_process *p)
-{
-    return p->role == PROCESS_BRIEF && p->runs && !p->round && !p->stopped && p->leaving == 0 &&
-           !p->mail && p->up_state != UP_PENDING && p->roll.due_count == 0 &&
-           mu_process_broker(p) != NULL;
-}
-
-/* Handles mail in the thread that brings it.  The thread that lent the turn does all that opens,
- * closes or waits: it goes to another broker, or sees out an agent that leaves.
- * @return whether that thread may go on waiting, as long as it wanted to */
-static bool turn_take(void *self)
-{
-    mu_process *p = self;
-    handle_all(p);
-    step_flush(p);
-    return may_lend(p) && mu_clock_ns() + (uint64_t)rest_ns(p) + LATE_NS >= p->looks_ns;
-}
-
 /* --- spinning --------------------------------------------------------------------------------- */
 
 /* While the mail of a step lies there, a probe is a second sample.  While that mail is late,
@@ -214,18 +190,13 @@ static bool turn_take(void *self)
 static void samples_await(mu_process *p, int64_t most_ns)
 {
     uint64_t wanted = process_samples_wanted(p);
-    if (wanted == 1 && may_lend(p)) {
-        p->looks_ns = mu_clock_ns() + (uint64_t)most_ns;
-        bus_wait_lending(&p->bus, most_ns, turn_take, p);
-        return;
-    }
     int64_t pair_ns = most_ns < PAIR_NS ? most_ns : PAIR_NS;
     if (wanted == 2) {
         bus_wait(&p->bus, 2, pair_ns);
         most_ns -= pair_ns;
         wanted = 1;
     }
-    (process_in_lockstep(p) ? bus_wait : bus_wait_awake)(&p->bus, wanted, most_ns);
+    bus_wait(&p->bus, wanted, most_ns);
 }
 
 void process_turn(mu_process *p)

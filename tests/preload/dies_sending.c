@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Preloaded, it kills a process behind one packet, with the rest of what it says unsaid.  A life of
+ * Preloaded, it kills a process behind one packet, of DDS or of a socket between processes of one
+ * host, with the rest of what it says unsaid.  A life of
  * the process NAME (its first argument) takes the first line of the file DIES_FOLDER/NAME: the
  * number of packets after which it dies.  Without one, it lives.
  */
@@ -47,12 +48,25 @@ static void __attribute__((constructor)) life_begin(void)
     fclose(file);
 }
 
+static void packet_count(void)
+{
+    if (left > 0 && --left == 0) {
+        kill(getpid(), SIGKILL);
+    }
+}
+
 __attribute__((visibility("default"))) ssize_t sendmsg(int fd, const struct msghdr *message,
                                                        int flags)
 {
     ssize_t sent = syscall(SYS_sendmsg, fd, message, flags);
-    if (left > 0 && --left == 0) {
-        kill(getpid(), SIGKILL);
-    }
+    packet_count();
+    return sent;
+}
+
+__attribute__((visibility("default"))) ssize_t send(int fd, const void *data, size_t size,
+                                                    int flags)
+{
+    ssize_t sent = syscall(SYS_sendto, fd, data, size, flags, NULL, 0);
+    packet_count();
     return sent;
 }

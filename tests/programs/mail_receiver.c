@@ -47,10 +47,7 @@ int main(int argc, char **argv)
     int record = record_open(argv[3]);
     mu_process *p;
     mu_agent *a;
-    /* Some are woken for their mail, and some handle it where it comes. */
-    bool brief = argv[2][0] && argv[2][strlen(argv[2]) - 1] % 2 == 0;
     struct mu_process_options options = {.domain = (int)strtol(argv[1], NULL, 10),
-                                         .brief = brief,
                                          .broker = argc > 4 ? argv[4] : NULL,
                                          .interface = argc > 6 ? argv[5] : NULL,
                                          .peer = argc > 6 ? argv[6] : NULL};

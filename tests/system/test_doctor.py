@@ -7,7 +7,7 @@ import resource
 from support import (FOLLOW, MUSTER, Processes, check, check_equal, folder, muster, new_domain, wait_for)
 
 CHECKS = ["domain", "interface", "loopback", "domains", "participants", "left processes", "configuration",
-          "peers", "open files", "processes", "receive buffer", "memory", "folder", "programs", "rules",
+          "peers", "sockets", "open files", "processes", "receive buffer", "memory", "folder", "programs", "rules",
           "versions"]
 
 

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the processes are on the network: loopback alone, readable by DDS tools."""
+import json
 import os
 import pathlib
 import re
 import shutil
 import subprocess
 
-from support import (BUILD, MUSTER, ROOT, Processes, Skip, broker_start, check, check_equal, folder,
-                     muster, new_domain, observer_environment, tool_python, wait_for)
+from support import (BUILD, FOLLOW, MUSTER, ROOT, Processes, Skip, broker_start, check, check_equal,
+                     experiment_run, folder, muster, new_domain, observer_environment, program, tool_python, wait_for)
 
 
 def test_every_socket_is_bound_to_loopback():
@@ -86,6 +87,26 @@ def test_dds_tools_list_and_decode_the_topics():
             return b"'red robot " in seen
 
         wait_for(decoded, 20, "the line of red, decoded by cyclonedds subscribe")
+
+
+def test_a_tool_sees_every_sample_and_changes_nothing():
+    """Between processes of one host samples go by sockets; a tool has them by DDS, each once."""
+    with folder() as out:
+        done, calm = experiment_run(out / "calm", "--duration", "60")
+        check_equal(done.returncode, 0, done.stderr)
+        for times, ms in ((40, 50), (1, 3000)):
+            domain = new_domain()
+            with Processes() as processes:
+                run = processes.start(MUSTER, "run", FOLLOW, "--quiet", "--duration", "60", "--rate", "10",
+                                      "--domain", domain, "--out", out / f"seen{times}")
+                done = subprocess.run([program("up_watcher"), str(domain), str(times), str(ms)], check=True,
+                                      capture_output=True, text=True, timeout=60)
+                seen = json.loads(done.stdout)
+                check_equal(run.wait(60), 0, "the run")
+            check_equal((seen["twice"], seen["missing"]), (0, 0), f"{seen}")
+            check(seen["visits"] >= times / 2 and seen["samples"] > 1000 / times, f"{seen}")
+            summary = json.loads((out / f"seen{times}/summary.json").read_text())
+            check_equal(summary["hash"], calm["hash"], "the hash")
 
 
 def test_library_and_headers_build_a_stranger_s_controller():

@@ -12,6 +12,7 @@
 #ifndef MUSTER_BROKER_BROKER_H
 #define MUSTER_BROKER_BROKER_H
 
+#include "bus/bus.h"
 #include "broker/directory/directory.h"
 #include "core/fault.h"
 #include "muster/limits.h"
@@ -132,6 +133,9 @@ void broker_up_sent(struct broker *b);
 
 /** @return whether an agent with a new name would be taken: names are kept when their agents go */
 bool broker_takes_names(const struct broker *b);
+
+/** Takes note of how its processes are reached. */
+void broker_ways(struct broker *b, const struct bus_ways *ways);
 
 /** Fills the counters; what only the process knows (processor time, memory) stays 0. */
 void broker_status(const struct broker *b, muster_BrokerStatus *status);

@@ -36,6 +36,7 @@ struct broker_counters {
     uint64_t astray;   /* acknowledgements of the boxes of an earlier life */
     uint64_t directed; /* directives let through, one a receiver, and changes in another's name */
     uint64_t unspoken; /* changes in another's name that were refused: no mails */
+    struct bus_ways ways; /* to the processes */
 };
 
 struct broker {

@@ -4,6 +4,11 @@
 #include "broker/control/parts.h"
 #include "core/text.h"
 
+void broker_ways(struct broker *b, const struct bus_ways *ways)
+{
+    b->counters.ways = *ways;
+}
+
 void broker_status(const struct broker *b, muster_BrokerStatus *status)
 {
     const struct broker_counters *c = &b->counters;

@@ -87,6 +87,9 @@ static void part_tell(struct telemetry *h, uint32_t part, const muster_PartStatu
 static void everything_tell(struct telemetry *h, struct broker *b, bool all)
 {
     muster_PartStatus status;
+    struct bus_ways ways;
+    bus_ways(h->bus, &ways);
+    broker_ways(b, &ways);
     status_tell(h, b, all);
     for (uint32_t part = 1; broker_part(b, part, &status); part++) {
         if (!h->begun || part_is_news(h, part, &status, all)) {

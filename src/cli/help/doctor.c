@@ -128,6 +128,25 @@ static void peers_check(struct doctor_finding *f)
     }
 }
 
+/* Both ends of a connection have the name of the reader's socket, but the writer's is not shown. */
+static void sockets_check(struct doctor_finding *f)
+{
+    char line[512];
+    unsigned connected = 0;
+    FILE *sockets = fopen("/proc/net/unix", "re");
+    f->check = "sockets";
+    f->from = origin("local");
+    while (sockets && fgets(line, sizeof line, sockets)) {
+        connected += strstr(line, " 0001 03 ") && strstr(line, " @mulocal1");
+    }
+    if (sockets) {
+        fclose(sockets);
+    }
+    bool off = set.network.local && strcmp(set.network.local, "off") == 0;
+    snprintf(f->found, sizeof f->found, "%s; %u connections between processes of this host",
+             off ? "off: all goes by DDS" : "on, beside DDS", connected);
+}
+
 static void files_check(struct doctor_finding *f)
 {
     struct rlimit limit = {0};
@@ -247,8 +266,9 @@ static void versions_check(struct doctor_finding *f)
 int doctor_verb(int argc, char **argv)
 {
     static void (*const checks[])(struct doctor_finding * f) = {
-        configuration_check, peers_check,  files_check,    processes_check, buffer_check,
-        memory_check,        folder_check, programs_check, rules_check,     versions_check};
+        configuration_check, peers_check,  sockets_check, files_check,
+        processes_check,     buffer_check, memory_check,  folder_check,
+        programs_check,      rules_check,  versions_check};
     mu_result parsed = mu_options_parse(&options, argc, argv);
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);

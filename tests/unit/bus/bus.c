@@ -240,28 +240,6 @@ static void test_what_breaks_a_rule_is_dropped_and_counted(void)
     CU_ASSERT_EQUAL(bus.malformed, 1);
 }
 
-/* Behind a short wait: as the others, it ends with the samples or with its time. */
-static void test_waiting_awake(void)
-{
-    expect_nothing(&to_p1);
-    for (int64_t step = 1; step <= 200; step++) {
-        muster_Delivery d = delivery(step);
-        CU_ASSERT_EQUAL(bus_write(&writer, &d), MU_OK);
-        uint64_t began_ns = mu_clock_ns();
-        bus_wait_awake(&bus, 1, (int64_t)PATIENCE_NS);
-        CU_ASSERT(mu_clock_ns() - began_ns < PATIENCE_NS);
-        expect_steps(&to_p1, step, step);
-    }
-    for (int i = 0; i < 2; i++) { /* the second one behind a long one */
-        uint64_t began_ns = mu_clock_ns();
-        bus_wait_awake(&bus, 1, 20000000);
-        CU_ASSERT(mu_clock_ns() - began_ns >= 20000000);
-    }
-    uint64_t began_ns = mu_clock_ns();
-    bus_wait_awake(&bus, 1, 0);
-    CU_ASSERT(mu_clock_ns() - began_ns < PATIENCE_NS);
-}
-
 static void test_waiting(void)
 {
     expect_nothing(&to_p1);
@@ -558,7 +536,6 @@ int main(void)
         {"what breaks a rule is dropped and counted",
          test_what_breaks_a_rule_is_dropped_and_counted},
         {"waiting", test_waiting},
-        {"waiting awake", test_waiting_awake},
         {"a descriptor wakes a poll loop", test_a_descriptor_wakes_a_poll_loop},
         {"samples as bytes", test_samples_as_bytes},
         {"bytes as samples", test_bytes_as_samples},

@@ -12,7 +12,7 @@ static mu_result parse(int argc, char **argv)
     static struct mu_option table[] = {MU_JOIN_OPTIONS(network)};
     static struct mu_options options;
     network = (struct mu_network){0};
-    options = (struct mu_options){.program = "test", .table = table, .count = 4};
+    options = (struct mu_options){.program = "test", .table = table, .count = 5};
     return mu_options_parse(&options, argc, argv);
 }
 

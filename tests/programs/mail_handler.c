@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An agent whose handlers are brief, and which does what mail says: to answer where it was handled
- * ("where"), to take that many milliseconds ("work MS"), to have somebody join ("join NAME"), to
- * let him leave ("leave"), to end ("stop"). mail_brief DOMAIN NAME
+ * An agent that does in its handler what mail says, and answers: nothing ("greet"), to take that
+ * many milliseconds ("work MS"), to have another agent join ("join NAME"), to let that leave
+ * ("leave"), to end ("stop").  mail_handler DOMAIN NAME
  */
 #include <muster/muster.h>
 
-#include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +15,6 @@
 static struct {
     mu_process *process;
     mu_agent *other;
-    pthread_t runs; /* who called mu_process_run */
     atomic_int inside;
     struct mu_handlers handlers;
 } self;
@@ -34,7 +32,7 @@ static const char *obey(const char *order)
     } else if (strcmp(order, "stop") == 0) {
         mu_process_stop(self.process);
     }
-    return pthread_equal(pthread_self(), self.runs) ? "woken" : "where it came";
+    return "done";
 }
 
 static void on_mail(void *context, mu_agent *a, const struct mu_mail *mail)
@@ -52,10 +50,8 @@ static void on_mail(void *context, mu_agent *a, const struct mu_mail *mail)
 int main(int argc, char **argv)
 {
     mu_agent *a;
-    struct mu_process_options options = {.domain = argc > 2 ? (int)strtol(argv[1], NULL, 10) : 0,
-                                         .brief = true};
+    struct mu_process_options options = {.domain = argc > 2 ? (int)strtol(argv[1], NULL, 10) : 0};
     self.handlers = (struct mu_handlers){.on_mail = on_mail};
-    self.runs = pthread_self();
     if (argc < 3 || mu_process_open(&self.process, &options) != MU_OK ||
         mu_agent_join(self.process, &a, argv[2], MU_KIND_AGENT, 0, &self.handlers) != MU_OK) {
         return 4;
