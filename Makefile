@@ -20,12 +20,32 @@ DEPS    ?= install
 TEST_DEPS ?= $(DEPS)
 V       ?= 0
 Q       := $(if $(filter 1,$(V)),,@)
-O       ?= build/$(BUILD)
+# Another architecture: the distribution's compiler for it, and a root of its own with the libraries.
+CROSS   ?=
+O       ?= build/$(BUILD)$(CROSS:%=-%)
+SYSROOT := $(CROSS:%=build/sysroot/%)
 
-CC    ?= cc
-ifeq ($(origin CC),default)
+ifneq ($(CROSS),)
+CC    := $(CROSS)-gcc
+else ifeq ($(origin CC),default)
 CC    := gcc
 endif
+CXX   := $(patsubst %gcc,%g++,$(CC))
+override CC  += $(SYSROOT:%=--sysroot=$(CURDIR)/%)
+override CXX += $(SYSROOT:%=--sysroot=$(CURDIR)/%)
+TOOL  := $(CROSS:%=%-)
+
+# Where the compiler fuses a product and a sum, the distribution's ODE and libccd have other bits: both are
+# made from the distribution's sources, too.
+MACHINE := $(firstword $(subst -, ,$(CROSS)) $(shell uname -m))
+FUSING  := aarch64 powerpc64le ppc64le s390x riscv64
+EXACT   := $(patsubst %,build/exact/%,$(filter $(FUSING),$(MACHINE)))
+# Its compiler computes with floats as with doubles, unless told otherwise; musl knows no such long double.
+FLAGS_s390x      := -fexcess-precision=fast
+MUSL_powerpc64le := -mlong-double-64 -mno-gnu-attribute
+MUSL_ppc64le     := $(MUSL_powerpc64le)
+# What runs the programs here.
+EMULATOR := $(if $(CROSS),qemu-$(patsubst powerpc64le,ppc64le,$(MACHINE))-static -L $(CURDIR)/$(SYSROOT))
 CSTD  := -std=c11 -D_GNU_SOURCE
 WARN  := -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wconversion \
          -Wno-sign-conversion -Wswitch-enum -Wundef -Wvla -Wpointer-arith -Wcast-qual \
@@ -52,8 +72,8 @@ SHARED  := -fPIC -fvisibility=hidden -ffunction-sections -fdata-sections
 # What musl gives, the compiler knows nothing of: it would compute what is constant by itself, another way.
 ELEMENTARY := sin cos sincos tan asin acos atan atan2 sinh cosh tanh exp expm1 log log10 pow hypot asinf acosf
 NO_BUILTIN := $(addprefix -fno-builtin-,$(ELEMENTARY))
-CFLAGS  += $(CSTD) $(WARN) $(WERROR) $(FLAGS_$(BUILD)) $(NO_BUILTIN) $(SHARED) -MD -MP
-LDFLAGS += $(filter -fsanitize% --coverage,$(FLAGS_$(BUILD))) -Wl,--gc-sections
+CFLAGS  += $(CSTD) $(WARN) $(WERROR) $(FLAGS_$(BUILD)) $(FLAGS_$(MACHINE)) $(NO_BUILTIN) $(SHARED) -MD -MP
+LDFLAGS += $(filter -fsanitize% --coverage,$(FLAGS_$(BUILD))) -Wl,--gc-sections $(EXACT:%=-L%)
 
 # What everything is compiled and linked with: when that changes, all is built again.
 $(O)/flags: FORCE
@@ -100,7 +120,7 @@ LIBS_bus     := -lddsc -lm
 LIBS_stats   := -lm
 LIBS_runtime := -lddsc -lm
 LIBS_broker  := -lddsc -lsqlite3 -lm
-LIBS_sim     := -lode -lccd -lcrypto -lddsc -lz -lpng -lm
+LIBS_sim     := -lode $(if $(EXACT),-lstdc++) -lccd -lcrypto -lddsc -lz -lpng -lm
 LIBS_planner := -lccd -lpng -lm
 LIBS_mind    := -lccd -lpng -lm
 LIBS_agent   := $(LIBS_mind) -lddsc
@@ -120,7 +140,7 @@ LIBS_web     := -lmicrohttpd -lddsc -lz -lm
 # The files of the page are part of the program: src/web/assets.c names them.
 ASSETS := $(patsubst %,$(O)/%.o,$(wildcard src/web/assets/*))
 module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter bus,$(1) $(USES_$(1))),$(GEN)) \
-                $(if $(filter world,$(1) $(USES_$(1))),$(ARITHMETIC)) \
+                $(if $(filter world,$(1) $(USES_$(1))),$(ARITHMETIC) $(CCD)) $(if $(filter sim,$(1)),$(ODE)) \
                 $(if $(filter mind,$(1) $(USES_$(1))),$(CLIPS_O)/libclips.a) $(if $(filter web,$(1)),$(ASSETS))
 
 PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot \
@@ -151,8 +171,10 @@ KEPT     := $(wildcard $(HELPERS) $(PRELOADS) $(BENCHES) $(O)/test/gohome)
 all: deps $(PROGRAMS) $(FAULTS) $(O)/libmuster.a $(O)/libmuster.so.0 $(EXAMPLES) $(KEPT) ## build the programs, the library and the examples
 
 .PHONY: deps test-deps
-deps: ## install what is missing (DEPS=skip: never touch the system)
-	$(Q)DEPS=$(DEPS) tools/install-deps
+deps: $(SYSROOT:%=%/whole) ## install what is missing (DEPS=skip: never touch the system)
+	$(Q)DEPS=$(DEPS) tools/install-deps $(CROSS:%=--cross=%)
+build/sysroot/%/whole: tools/sysroot
+	$(Q)tools/sysroot $* $(@D) && touch $@
 test-deps: deps ## and what the tests need (TEST_DEPS=skip: what needs it is skipped)
 	$(Q)DEPS=$(TEST_DEPS) tools/install-deps --tests
 
@@ -163,7 +185,7 @@ $(PROGRAMS): $(O)/bin/%: $(O)/src/$$(MAIN_$$*)/main.o $$(call module_objs,$$(MAI
 
 # CLIPS from its source, with our patches and our port: once for all builds, and once more for the
 # address sanitizer, which sees each block of it.  Its own undefined behaviour is let be: docs/clips.md.
-CLIPS_O      := $(CLIPS)$(if $(filter asan,$(BUILD)),/asan)
+CLIPS_O      := $(CLIPS)$(CROSS:%=/%)$(if $(filter asan,$(BUILD)),/asan)
 CLIPS_CFLAGS := -std=gnu89 -w -g -ffp-contract=off $(NO_BUILTIN) -fno-strict-aliasing -fPIE -ffunction-sections -fdata-sections \
                 $(if $(filter asan,$(BUILD)),-O1 -fsanitize=address -fno-omit-frame-pointer -DMEM_TABLE_SIZE=0,-O2)
 PORT_ENVIRONMENT := envrnmnt
@@ -179,7 +201,7 @@ $(CLIPS_O)/libclips.a: $(CLIPS)/core/whole src/mind/engine/port.h $(CLIPS_O)/fla
 	$(Q)ls $(CLIPS)/core/*.c | sed 's|.*/||;s|\.c$$||;/^main$$/d' | \
 	  sed '$(foreach p,PORT_ENVIRONMENT PORT_MEMORY PORT_CALLS,$(foreach f,$($p),s/^$f$$/& -D$p/;))' | xargs -P $(shell nproc) -L 1 sh -c \
 	  '$(CC) $(CLIPS_CFLAGS) $$1 -include src/mind/engine/port.h -c -o $(CLIPS_O)/$$0.o $(CLIPS)/core/$$0.c' && \
-	  rm -f $@ && ar rcs $@ $(CLIPS_O)/*.o
+	  rm -f $@ && $(TOOL)ar rcs $@ $(CLIPS_O)/*.o
 $(call objs,mind): CFLAGS += -fno-strict-aliasing # as it
 
 # The elementary functions of musl, alone: the C library's choose by what the processor has.  They are
@@ -190,7 +212,8 @@ ELEMENTARY_PARTS := __sin __cos __tan __rem_pio2 __rem_pio2_large __expo2 exp_da
                     $(addprefix __math_,divzero invalid oflow uflow xflow)
 MUSL_CFLAGS := -std=c99 -w -O2 -g -ffp-contract=off -frounding-math -fexcess-precision=standard -fno-math-errno \
                -U__FP_FAST_FMA -fPIC -ffunction-sections -fdata-sections -I$(MUSL)/core \
-               '-Dhidden=__attribute__((visibility("hidden")))' -Dfloat_t=float -Ddouble_t=double
+               '-Dhidden=__attribute__((visibility("hidden")))' -Dfloat_t=float -Ddouble_t=double \
+               $(FLAGS_$(MACHINE)) $(MUSL_$(MACHINE))
 $(MUSL)/core/whole: tools/source | deps
 	$(Q)tools/source musl $(MUSL) && touch $@
 $(addprefix $(O)/musl/,$(addsuffix .o,$(ELEMENTARY) $(ELEMENTARY_PARTS))): $(O)/musl/%.o: $(MUSL)/core/whole $(O)/flags
@@ -201,18 +224,37 @@ $(ARITHMETIC): $(addprefix $(O)/musl/,$(addsuffix .o,$(ELEMENTARY) $(ELEMENTARY_
 	@echo "  LINK  $@"
 	$(Q)$(CC) -r -nostdlib -o $@ $^
 
+# ODE by its own configure script, of which the engine's headers are the distribution's.
+CCD := $(EXACT:%=%/libccd.a)
+ODE := $(EXACT:%=%/libode.a)
+EXACT_CFLAGS := -O2 -g -w -ffp-contract=off $(NO_BUILTIN) -fPIC -ffunction-sections -fdata-sections
+build/ode/core/whole build/libccd/core/whole: build/%/core/whole: tools/source | deps
+	$(Q)tools/source $* build/$* && touch $@
+build/exact/%/libccd.a: build/libccd/core/whole | deps
+	@mkdir -p $(@D)/ccd; echo "  CC    build/libccd/core/*.c"
+	$(Q)cd $(@D)/ccd && $(CC) $(EXACT_CFLAGS) -DCCD_DOUBLE -I$(CURDIR)/$(<D) -c $(CURDIR)/$(<D)/*.c
+	$(Q)rm -f $@ && $(TOOL)ar rcs $@ $(@D)/ccd/*.o
+build/exact/%/libode.a: build/ode/core/whole | deps
+	@mkdir -p $(@D)/ode; echo "  CXX   build/ode/core/ode/src/*.cpp"
+	$(Q)cd $(@D)/ode && { $(CURDIR)/$(<D)/configure $(CROSS:%=--host=%) --enable-double-precision --with-trimesh=none \
+	  --disable-demos CC='$(CC)' CXX='$(CXX)' CFLAGS='$(EXACT_CFLAGS)' CXXFLAGS='$(EXACT_CFLAGS)' && \
+	  MAKEFLAGS= $(MAKE) -j$(shell nproc); } >log 2>&1 || { tail -n 20 log; false; }
+	$(Q)cp $(@D)/ode/ode/src/.libs/libode.a $@
+
 # Both libraries have the same in them: what is exported, and what that needs.
 $(O)/libmuster.a: $(O)/libmuster.so.0 $$(call module_objs,runtime)
 	@mkdir -p $(@D); echo "  AR    $@"
 	$(Q)$(CC) -r -nostdlib -Wl,--gc-sections -o $(O)/libmuster.o $(filter %.o,$^) \
-	  $$(nm -D --defined-only $< | sed -n 's/.* [TDRB] \([^@]*\).*/-Wl,-u,\1/p')
-	$(Q)objcopy --localize-hidden $(O)/libmuster.o # a program may have a bus_open of its own
-	$(Q)rm -f $@ && ar rcs $@ $(O)/libmuster.o
+	  $$($(TOOL)nm -D --defined-only $< | sed -n 's/.* [TDRB] \([^@]*\).*/-Wl,-u,\1/p')
+	$(Q)$(TOOL)objcopy --localize-hidden $(O)/libmuster.o # a program may have a bus_open of its own
+	$(Q)rm -f $@ && $(TOOL)ar rcs $@ $(O)/libmuster.o
 
+comma  := ,
+PACKED := $(if $(filter x86_64,$(MACHINE)),-Wl$(comma)-z$(comma)pack-relative-relocs)
 $(O)/libmuster.so.0: src/runtime/libmuster.map $$(call module_objs,runtime)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) -shared $(LDFLAGS) -Wl,-soname,libmuster.so.0 -Wl,--version-script=$< \
-	  -Wl,-z,pack-relative-relocs $(if $(filter asan,$(BUILD)),,-Wl,-z,defs) -o $@ $(filter %.o,$^) $(LIBS_runtime)
+	  $(PACKED) $(if $(filter asan,$(BUILD)),,-Wl,-z,defs) -o $@ $(filter %.o,$^) $(LIBS_runtime)
 
 # Loaded before the C library by the children of a run that has faults of the network.
 $(FAULTS): $(call objs,faults) $(O)/src/core/clock.o
@@ -300,7 +342,7 @@ endif
 
 $(ASSETS): $(O)/%.o: %
 	@mkdir -p $(@D); echo "  EMBED $<"
-	$(Q)ld -r -b binary -z noexecstack -o $@ $<
+	$(Q)$(TOOL)ld -r -b binary -z noexecstack -o $@ $<
 
 $(O)/gen/%.c $(O)/gen/%.h &: idl/%.idl | deps
 	@mkdir -p $(@D); echo "  IDLC  $<"
@@ -314,6 +356,10 @@ ARGS       ?=
 .PHONY: run
 run: all ## run an experiment headless and leave a report: EXPERIMENT=, ARGS="--seed 2 ..."
 	@$(O)/bin/muster run $(EXPERIMENT) $(ARGS)
+
+.PHONY: emulated
+emulated: all ## with CROSS=TRIPLET: programs of another architecture that run here, in qemu's user mode
+	@tools/emulate $(O) $(O)/emulated $(EMULATOR)
 
 # --- tests ---------------------------------------------------------------------------------------
 .PHONY: helpers programs-test test check quick unit rules system tidy asan hashes coverage
@@ -467,7 +513,7 @@ $(O)/test/snapshots: $(O)/tests/soak/snapshots.o $$(call module_objs,mind)
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_mind)
 
 # A mind and the engine in one process, which no program of ours has.
-$(O)/test/gohome: $(O)/tests/soak/gohome.o $$(call module_objs,mind) $$(call objs,sim) $$(call objs,bus) $(GEN) $$(call objs,mcap)
+$(O)/test/gohome: $(O)/tests/soak/gohome.o $$(call module_objs,mind) $$(call objs,sim) $$(call objs,bus) $(GEN) $$(call objs,mcap) $(ODE)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_agent) -lode -lcrypto -lz
 
@@ -581,7 +627,7 @@ $(O)/completion/muster.fish: SHELL_NAME := fish
 COMPLETED := share/bash-completion/completions/muster share/zsh/site-functions/_muster share/fish/vendor_completions.d/muster.fish
 $(COMPLETIONS): $(PROGRAMS)
 	@mkdir -p $(@D)
-	$(Q)$(O)/bin/muster completion $(SHELL_NAME) > $@.$$$$ && mv $@.$$$$ $@
+	$(Q)$(EMULATOR) $(O)/bin/muster completion $(SHELL_NAME) > $@.$$$$ && mv $@.$$$$ $@
 
 install: all $(O)/muster.pc $(COMPLETIONS) ## install programs, library, headers, rules, worlds: PREFIX=, DESTDIR=
 	install -d $(addprefix $(DESTDIR)$(PREFIX)/,bin lib/pkgconfig lib/muster include/muster share/muster/rules \
@@ -612,6 +658,6 @@ clean: ## remove build/
 
 help: ## this text
 	@awk -F':.*## ' '/^[a-z][a-z -]*:.*## /{printf "  %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
-	@echo; echo "  BUILD=release|asan|coverage  DEPS=skip  PREFIX=$(PREFIX)  V=1 shows the commands"
+	@echo; echo "  BUILD=release|asan|coverage  CROSS=aarch64-linux-gnu  DEPS=skip  PREFIX=$(PREFIX)  V=1 shows the commands"
 
 -include $(shell find $(O) -name '*.d' 2>/dev/null)

@@ -10,7 +10,9 @@ TOOL = ROOT / "tools" / "source"
 # A source, its file, the variable that names a copy, how many .c files, and what one of its files says.
 CLIPS = ("clips", "clips_6.30.orig.tar.gz", "CLIPS_TAR", 164, "constant.h", '#define VERSION_STRING "6.30"')
 MUSL = ("musl", "musl_1.2.3.orig.tar.gz", "MUSL_TAR", 232, "sincos.c", "void sincos(double x,")
-sources = pytest.mark.parametrize("source", [CLIPS, MUSL], ids=["clips", "musl"])
+ODE = ("ode", "ode_0.16.2.orig.tar.gz", "ODE_TAR", 0, "ode/src/quickstep.cpp", "void dxQuickStepIsland(")
+LIBCCD = ("libccd", "libccd_2.1.orig.tar.gz", "LIBCCD_TAR", 5, "ccd.c", "int ccdGJKIntersect(")
+sources = pytest.mark.parametrize("source", [CLIPS, MUSL, ODE, LIBCCD], ids=["clips", "musl", "ode", "libccd"])
 
 
 def laid(source, to, **environment):
@@ -68,4 +70,4 @@ def test_a_source_and_a_folder_are_wanted():
     for words in ([], ["clips"], ["lua", "build/lua"]):
         done = subprocess.run([TOOL, *words], capture_output=True, text=True)
         check_equal((done.returncode, done.stderr),
-                    (2, "usage: tools/source clips|musl FOLDER\n"), f"{words}")
+                    (2, "usage: tools/source clips|musl|ode|libccd FOLDER\n"), f"{words}")

@@ -270,7 +270,7 @@ bool disk_bundle_drop(struct disk *d, const struct journal_entry *e)
         }
         uint64_t from = e->row > b.first ? e->row - b.first : 0;
         uint64_t end = last - b.first + 1 < b.count ? last - b.first + 1 : b.count;
-        memset(b.alive + from, '0', end - from);
+        memset(b.alive + from, '0', (size_t)(end - from));
         if (!bundle_write(d, &b)) {
             return false;
         }

@@ -92,7 +92,7 @@ struct agenda {
 
 static struct agenda_line *agenda_place(const struct agenda *g, const char *key, size_t len)
 {
-    size_t at = mu_hash_bytes(MU_HASH_EMPTY, key, len) & (g->places - 1);
+    size_t at = (size_t)mu_hash_bytes(MU_HASH_EMPTY, key, len) & (g->places - 1);
     while (g->lines[at].key &&
            (g->lines[at].len != len || memcmp(g->lines[at].key, key, len) != 0)) {
         at = (at + 1) & (g->places - 1);

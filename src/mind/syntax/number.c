@@ -10,6 +10,10 @@
 #include <stdio.h>
 #include <string.h>
 
+/* The bound of one sum or product; the smallest difference of a pair of doubles (ppc64el) is none.
+ */
+#define EPSILON fmaxl(LDBL_EPSILON, 0x1p-100L)
+
 enum { READ_DIGITS = 18, PRINT_DIGITS = 17, EXPONENT_MIN = -4, EXPONENT_MAX = 14 };
 
 /* Exact: 5 to the power of 20 has 47 bits. */
@@ -46,7 +50,7 @@ bool number_read(const char *at, size_t len, double *x)
         return false;
     }
     long double size = (long double)digits / tens[places];
-    long double error = size * LDBL_EPSILON; /* at most half of it, and the sums' half */
+    long double error = size * EPSILON; /* at most half of it, and the sums' half */
     double least = (double)(size - error);
     *x = minus ? -least : least;
     return least == (double)(size + error);
@@ -60,7 +64,7 @@ static uint64_t digits_of(double size, int *exponent)
         e++;
     }
     long double scaled = size * tens[PRINT_DIGITS - 1 - e];
-    long double error = scaled * 4 * LDBL_EPSILON; /* product, and two sums */
+    long double error = scaled * 4 * EPSILON; /* product, and two sums */
     uint64_t digits = (uint64_t)(scaled - error + 0.5L);
     bool sure = digits == (uint64_t)(scaled + error + 0.5L) &&
                 digits >= (uint64_t)tens[PRINT_DIGITS - 1] && digits < (uint64_t)tens[PRINT_DIGITS];

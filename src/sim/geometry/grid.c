@@ -152,10 +152,10 @@ static void grid_layer_init(struct grid *grid, struct grid_layer *layer, const s
     MU_ASSERT(entries < UINT32_MAX && count < UINT32_MAX);
     layer->solids = solids;
     layer->count = (uint32_t)count;
-    layer->start = mu_startup_array(cells + 1, sizeof *layer->start);
-    layer->entries = mu_startup_array(entries, sizeof *layer->entries);
     layer->entries_max = (uint32_t)entries;
-    layer->parts = mu_startup_array(entries, sizeof *layer->parts);
+    layer->start = mu_startup_array(cells + 1, sizeof *layer->start);
+    layer->entries = mu_startup_array(layer->entries_max, sizeof *layer->entries);
+    layer->parts = mu_startup_array(layer->entries_max, sizeof *layer->parts);
     layer->outside = mu_startup_array(count, sizeof *layer->outside);
     layer->seen = mu_startup_array(count, sizeof *layer->seen);
     grid_build(grid, layer);
