@@ -11,8 +11,7 @@
 /* The x87 computes with more digits than a double has, and rounds when it runs out of registers;
  * some compilers compute with floats as with doubles. */
 #if FLT_EVAL_METHOD != 0
-#error \
-    "numbers have more digits here, and other hashes; i386: -msse2 -mfpmath=sse, s390x: -fexcess-precision=fast"
+#error "more digits than elsewhere; i386: -msse2 -mfpmath=sse, s390x: -fexcess-precision=fast"
 #endif
 
 /** Whose elementary functions programs are linked with: the same name, the same hashes. */
