@@ -12,7 +12,7 @@ SHELL := /bin/bash
 .SUFFIXES:
 .SECONDARY:
 
-VERSION := 0.1.0
+VERSION := $(shell sed -n 's/^.define MU_VERSION  *"\(.*\)"/\1/p' include/muster/version.h)
 BUILD   ?= release
 PREFIX  ?= /usr/local
 DESTDIR ?=
@@ -53,7 +53,7 @@ WARN  := -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototy
 WERROR ?= -Werror
 CLIPS := build/clips
 # Foreign headers are system headers: their warnings are not ours.
-override CPPFLAGS += -Iinclude -Isrc -isystem $(O)/gen -isystem $(CLIPS)/core -DMU_VERSION='"$(VERSION)"'
+override CPPFLAGS += -Iinclude -Isrc -isystem $(O)/gen -isystem $(CLIPS)/core
 
 # Under the address sanitizer CLIPS has no pools: each block is seen.
 override CPPFLAGS += $(if $(filter asan,$(BUILD)),-DMEM_TABLE_SIZE=0)
@@ -324,7 +324,7 @@ $(O)/src/run/run_start.o $(O)/src/run/run_report.o: override CPPFLAGS += -DMU_CL
 COLD := $(patsubst %,$(O)/src/%.o,stats/approach stats/explored stats/goal stats/stats \
   runtime/watch runtime/watch_states runtime/watch_sample runtime/resolver runtime/directory_changes runtime/transfers \
   runtime/probes runtime/probes_look runtime/kind_base runtime/life runtime/link runtime/choice \
-  bus/beacons runtime/process runtime/process_states runtime/agent_life runtime/roll)
+  bus/beacons bus/bus_open bus/config bus/topics runtime/process runtime/process_states runtime/agent_life runtime/roll)
 ifeq ($(BUILD),release)
 $(COLD): CFLAGS += -Os
 endif

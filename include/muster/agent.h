@@ -22,6 +22,7 @@
 #include "muster/percept.h"
 #include "muster/refusal.h"
 #include "muster/result.h"
+#include "muster/version.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -119,7 +120,7 @@ struct mu_member {
 struct mu_service; /* directory.h */
 
 /* Events that an agent can hear of; any handler may be NULL.  Arguments are valid in the handler
- * only. */
+ * only.  A version adds members at the end. */
 struct mu_handlers {
     void *self;
     /** The broker has accepted or refused the name; a refusal is final, with a reason. */
@@ -153,6 +154,7 @@ struct mu_handlers {
 /** Domain 0, whatever the environment says. */
 #define MU_DOMAIN_ZERO (-2147483647 - 1)
 
+/* A version adds members at the end: all 0 is as before. */
 struct mu_process_options {
     int domain;            /* DDS domain; 0: that of MUSTER_DOMAIN, where that is set */
     const char *interface; /* address of the interface; NULL: 127.0.0.1 */
@@ -174,10 +176,23 @@ struct mu_process_options {
  * its memory is the program's for good, so that it is no call for a loop.
  *
  * @param options  copied; NULL: all 0
- * @return MU_OK; MU_FAULT_USAGE: an option is wrong, or the program is in that domain already;
- *         MU_FAULT_DDS
+ * @return MU_OK; MU_FAULT_USAGE: an option is wrong, or the program is in that domain already, or
+ *         was built with headers of another version that do not fit this library; MU_FAULT_DDS
  */
 MU_MUST_USE mu_result mu_process_open(mu_process **out, const struct mu_process_options *options);
+
+/**
+ * What mu_process_open is in C and C++.  A binding of another language may call mu_process_open
+ * itself: its structs are then taken for those of this library.
+ *
+ * @param version  MU_VERSION of the program
+ * @param sizes    mu_process_sizes of the program: options and handlers may be shorter than the
+ *                 library's, the rest is as long
+ * @return as mu_process_open
+ */
+MU_MUST_USE mu_result mu_process_open_built(mu_process **out,
+                                            const struct mu_process_options *options,
+                                            const char *version, const uint32_t *sizes);
 
 /**
  * Lets every agent leave and disconnects; p and its agents are no more.  Not for handlers: there,
@@ -366,6 +381,22 @@ const struct mu_member *mu_process_lookup(const mu_process *p, const char *name)
 
 /** @return the index-th line in order of name, valid until the next spin; NULL past the last */
 const struct mu_member *mu_process_member(const mu_process *p, size_t index);
+
+/* The structs that a program and the library share, as the program has them. */
+static inline const uint32_t *mu_process_sizes(void)
+{
+    static const uint32_t sizes[] = {(uint32_t)sizeof(struct mu_process_options),
+                                     (uint32_t)sizeof(struct mu_handlers),
+                                     (uint32_t)sizeof(struct mu_mail),
+                                     (uint32_t)sizeof(struct mu_percept),
+                                     (uint32_t)sizeof(struct mu_blob),
+                                     (uint32_t)sizeof(struct mu_fiducial),
+                                     (uint32_t)sizeof(struct mu_passage),
+                                     0};
+    return sizes;
+}
+
+#define mu_process_open(...) mu_process_open_built(__VA_ARGS__, MU_VERSION, mu_process_sizes())
 
 #ifdef __cplusplus
 }

@@ -31,6 +31,14 @@ struct mu_outline {
     const float *corners_m; /* x, y, x, y, ..., counter-clockwise */
 };
 
+/* The place of a sensor on a body, and what it covers. */
+struct mu_mount {
+    double x_m, y_m, heading_rad; /* in the body's frame */
+    double fov_rad;               /* about its heading, half to each side */
+    double range_m;
+    uint32_t beams; /* of a laser; columns of a camera's picture; 1 of a sonar or fiducial finder */
+};
+
 /* The constant data of a robot, or of a thing that can be moved. */
 struct mu_figure {
     const char *name;
@@ -38,6 +46,9 @@ struct mu_figure {
     struct mu_outline shape;      /* in its own frame */
     double x_m, y_m, heading_rad; /* where it starts */
     bool controlled;              /* a robot that the run has a controller for */
+    size_t sonar_count;
+    const struct mu_mount *sonars; /* in the order of mu_percept.sonar_m */
+    const struct mu_mount *laser, *camera, *fiducial_finder; /* NULL: it has none */
 };
 
 struct mu_scene {
@@ -130,6 +141,7 @@ struct mu_watch_handlers {
     void (*on_end)(void *self, const struct mu_run_result *result);
 };
 
+/* A version adds members at the end, handlers among them: all 0 is as before. */
 struct mu_watch_options {
     int domain;            /* DDS domain; these three only where there is no process */
     const char *interface; /* address of the interface; NULL: 127.0.0.1 */
@@ -145,10 +157,15 @@ typedef struct mu_watch mu_watch;
  *
  * @param p  a process whose agents live beside the watch, and which mu_watch_spin spins; NULL: none
  * @return MU_OK; MU_FAULT_USAGE: an option is wrong, or there is no process and the program is in
- *         that domain already; MU_FAULT_DDS
+ *         that domain already, or was built with headers that do not fit; MU_FAULT_DDS
  */
 MU_MUST_USE mu_result mu_watch_open(mu_watch **out, mu_process *p,
                                     const struct mu_watch_options *options);
+
+/** What mu_watch_open is in C and C++, as mu_process_open_built.  @param sizes  mu_watch_sizes */
+MU_MUST_USE mu_result mu_watch_open_built(mu_watch **out, mu_process *p,
+                                          const struct mu_watch_options *options,
+                                          const char *version, const uint32_t *sizes);
 
 /**
  * Waits for at most timeout_ns and hands out samples that have arrived.
@@ -181,6 +198,23 @@ int mu_watch_wake_fd(mu_watch *w);
 /** Ends the watch; its process stays.  Not for handlers.  NULL, or in a child of the program that
  *  opened it: nothing to do. */
 void mu_watch_close(mu_watch *w);
+
+/* As mu_process_sizes. */
+static inline const uint32_t *mu_watch_sizes(void)
+{
+    static const uint32_t sizes[] = {(uint32_t)sizeof(struct mu_watch_options),
+                                     (uint32_t)sizeof(struct mu_outline),
+                                     (uint32_t)sizeof(struct mu_mount),
+                                     (uint32_t)sizeof(struct mu_figure),
+                                     (uint32_t)sizeof(struct mu_robot_view),
+                                     (uint32_t)sizeof(struct mu_object_view),
+                                     (uint32_t)sizeof(struct mu_act_view),
+                                     (uint32_t)sizeof(struct mu_mail),
+                                     0};
+    return sizes;
+}
+
+#define mu_watch_open(...) mu_watch_open_built(__VA_ARGS__, MU_VERSION, mu_watch_sizes())
 
 #ifdef __cplusplus
 }

@@ -19,5 +19,6 @@
 #include "muster/result.h"
 #include "muster/sensors.h"
 #include "muster/stats.h"
+#include "muster/version.h"
 
 #endif

@@ -34,7 +34,8 @@ extern "C" {
     X(NOT_OFFERED, "not-offered",                                                                  \
       "it does not offer that; muster service list lists what is offered")                         \
     X(NOT_ATTRIBUTES, "not-attributes", "expected key=value, separated by spaces")                 \
-    X(GROUP_EXISTS, "group-exists", "there is a group of that name")
+    X(GROUP_EXISTS, "group-exists", "there is a group of that name")                               \
+    X(VERSION, "other-version", "its program is of another version than the broker: use one")
 
 enum mu_refusal {
 #define X(name, word, text) MU_REFUSAL_##name,

@@ -10,6 +10,7 @@
 #include "core/signals.h"
 #include "core/text.h"
 #include "muster/memory.h"
+#include "muster/version.h"
 
 #include <malloc.h>
 #include <stdio.h>
@@ -136,6 +137,12 @@ static bool registrations_take(struct node *p)
     bool some = false;
     enum bus_life life;
     const muster_Registration *r;
+    char who[128];
+    while (bus_reader_meets(&p->registrations, who, sizeof who)) {
+        mu_log(MU_LOG_WARNING, "other-version",
+               "who=\"%s\" ours=%s does=\"it is not heard: use programs of one version\"", who,
+               MU_VERSION);
+    }
     while ((r = bus_next(&p->registrations, &life))) {
         some = true;
         ups_take(p);

@@ -201,6 +201,9 @@ static void sample_judge(struct bus_reader *r, int32_t i, const dds_sample_info_
                                                                               : BUS_LOST;
     r->states[i] = info->valid_data ? BUS_DATA : fate;
     r->fates[i] = info->valid_data && info->sample_rank == 0 ? fate : BUS_DATA;
+    if (r->strangers > 0 && bus_reader_is_stranger(r, info->publication_handle)) {
+        r->states[i] = SAMPLE_SEEN;
+    }
     if (info->valid_data && local_has(r, info)) {
         r->states[i] = SAMPLE_SEEN;
     }

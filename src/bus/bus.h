@@ -72,6 +72,9 @@ enum { BUS_BATCH = 32 };
  * their watchers. */
 enum { BUS_ENDPOINTS_MAX = 1024 };
 
+/* Writers of another version that a reader knows at most; of more, samples are read. */
+enum { BUS_STRANGERS = 16 };
+
 struct bus {
     int32_t domain; /* ours to close; 0: CYCLONEDDS_URI has made it */
     int32_t participant;
@@ -111,8 +114,11 @@ struct bus_reader {
     struct local_door *door; /* NULL: DDS alone */
     uint64_t arrived, taken; /* as in struct bus, of this reader; under its lock */
     uint64_t looked_ns;      /* when it was last asked for samples */
-    int32_t count, next;     /* of the batch */
-    uint32_t batches;        /* since the samples were emptied */
+    uint32_t met;            /* writers, ever, that were looked at (bus_reader_meets) */
+    uint32_t strangers;
+    uint64_t stranger[BUS_STRANGERS]; /* the next one replaces the oldest */
+    int32_t count, next;              /* of the batch */
+    uint32_t batches;                 /* since the samples were emptied */
     void *samples[BUS_BATCH];
     uint32_t states[BUS_BATCH];
     uint32_t fates[BUS_BATCH]; /* not BUS_DATA: that is to be said behind the sample */
@@ -203,6 +209,19 @@ uint32_t bus_writer_matches(const struct bus_writer *writer);
 /** @return how many readers a writer has found since it was opened; those that are gone count, too
  */
 uint32_t bus_writer_matched_ever(const struct bus_writer *writer);
+
+/**
+ * Looks at the writers that a reader of Registration or Beacon has found since the last call: their
+ * types may be others under the same names, which DDS does not say.  Samples of those of another
+ * version are not handed out.
+ *
+ * @param who  out: one of another version: "spin: muster 0.2.0 wire 3"
+ * @return whether there is one; ask again
+ */
+bool bus_reader_meets(struct bus_reader *reader, char *who, size_t size);
+
+/** @return whether bus_reader_meets has found that writer to be of another version */
+bool bus_reader_is_stranger(const struct bus_reader *reader, uint64_t writer);
 
 /** @return how many writers a reader has found */
 uint32_t bus_reader_matches(const struct bus_reader *reader);

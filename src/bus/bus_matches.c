@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The other sides of an endpoint, as DDS has found them. */
 #include "bus/bus.h"
+#include "bus/topics.h"
+#include "wire.h"
 
 #include <dds/dds.h>
+#include <stdio.h>
 #include <string.h>
 
 /* @return whether one of the partitions that an endpoint names is this one */
@@ -103,4 +106,84 @@ uint32_t bus_reader_matches(const struct bus_reader *reader)
     dds_subscription_matched_status_t status;
     dds_return_t code = dds_get_subscription_matched_status(reader->reader, &status);
     return code < 0 ? 0 : status.current_count;
+}
+
+/* --- of another version ----------------------------------------------------------------------- */
+
+/* Writes the name of a participant, as DDS tools see it. */
+static void participant_name(int32_t ours, dds_instance_handle_t participant, char *name,
+                             size_t size)
+{
+    void *samples[1] = {NULL};
+    dds_sample_info_t info[1];
+    char *text = NULL;
+    dds_entity_t reader = dds_create_reader(ours, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, NULL, NULL);
+    int32_t count = dds_read_instance(reader, samples, info, 1, 1, participant);
+    if (count == 1) {
+        const dds_builtintopic_participant_t *about = samples[0];
+        (void)dds_qget_entity_name(about->qos, &text);
+    }
+    snprintf(name, size, "%s", text ? text : "a program");
+    dds_free(text);
+    if (count == 1) {
+        (void)dds_return_loan(reader, samples, count);
+    }
+    (void)dds_delete(reader);
+}
+
+/* @return whether a writer says that it is of our version, or of one with the same wire */
+static bool is_kin(const dds_builtintopic_endpoint_t *writer, char *version, size_t size)
+{
+    void *data = NULL;
+    size_t bytes = 0;
+    (void)dds_qget_userdata(writer->qos, &data, &bytes);
+    snprintf(version, size, "%.*s", (int)bytes, bytes ? (const char *)data : "");
+    dds_free(data);
+    const char *theirs = strstr(version, " wire "), *ours = strstr(TOPICS_VERSION, " wire ");
+    if (!theirs) {
+        snprintf(version, size, "a muster without a number of its wire");
+    }
+    return theirs && strcmp(theirs, ours) == 0;
+}
+
+bool bus_reader_is_stranger(const struct bus_reader *reader, uint64_t writer)
+{
+    bool known = false;
+    for (uint32_t i = 0; i < reader->strangers && i < BUS_STRANGERS; i++) {
+        known = known || reader->stranger[i] == writer;
+    }
+    return known;
+}
+
+bool bus_reader_meets(struct bus_reader *reader, char *who, size_t size)
+{
+    dds_subscription_matched_status_t status;
+    dds_instance_handle_t writers[BUS_ENDPOINTS_MAX];
+    if (dds_get_subscription_matched_status(reader->reader, &status) < 0 ||
+        status.total_count == reader->met) {
+        return false;
+    }
+    dds_return_t count = dds_get_matched_publications(reader->reader, writers, BUS_ENDPOINTS_MAX);
+    for (dds_return_t i = 0; i < count && i < BUS_ENDPOINTS_MAX; i++) {
+        dds_builtintopic_endpoint_t *writer =
+            bus_reader_is_stranger(reader, writers[i])
+                ? NULL
+                : dds_get_matched_publication_data(reader->reader, writers[i]);
+        char version[64], name[64];
+        bool strange = writer && !is_kin(writer, version, sizeof version);
+        if (strange) {
+            participant_name(reader->bus->participant, writer->participant_instance_handle, name,
+                             sizeof name);
+            snprintf(who, size, "%s: %s", name, version);
+            reader->stranger[reader->strangers++ % BUS_STRANGERS] = writers[i];
+        }
+        if (writer) {
+            dds_builtintopic_free_endpoint(writer);
+        }
+        if (strange) {
+            return true;
+        }
+    }
+    reader->met = status.total_count;
+    return false;
 }

@@ -120,7 +120,9 @@ static bool figures_ok(const muster_Figure *figures, uint32_t count)
         if (!text_fits(f->name, MU_NAME_MAX) || !text_fits(f->color, MU_FIELD_MAX) ||
             !numbers_ok(numbers, sizeof numbers / sizeof numbers[0]) || !outline_ok(&f->shape) ||
             !mounts_ok(f->sonars._buffer, f->sonars._length) ||
-            !mounts_ok(f->lasers._buffer, f->lasers._length)) {
+            !mounts_ok(f->lasers._buffer, f->lasers._length) ||
+            !mounts_ok(f->cameras._buffer, f->cameras._length) ||
+            !mounts_ok(f->fiducial_finders._buffer, f->fiducial_finders._length)) {
             return false;
         }
     }

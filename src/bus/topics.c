@@ -100,7 +100,8 @@ dds_qos_t *topics_qos(const struct topic *topic)
     if (topic->for_late_comers) {
         dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
     }
-    if (topic->liveliness_ns) {
+    if (topic->liveliness_ns) { /* its writer is a process: it says of which version */
+        dds_qset_userdata(qos, TOPICS_VERSION, sizeof TOPICS_VERSION - 1);
         dds_qset_liveliness(qos, DDS_LIVELINESS_AUTOMATIC, topic->liveliness_ns);
     }
     return qos;

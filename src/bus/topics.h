@@ -7,8 +7,14 @@
 #define MUSTER_BUS_TOPICS_H
 
 #include "bus/bus.h"
+#include "muster/version.h"
 
 #include <dds/dds.h>
+
+/* The user data of such a writer.  It is read before any sample, whose type may be another. */
+#define TOPICS_TEXT_(number) #number
+#define TOPICS_WIRE_(number) TOPICS_TEXT_(number)
+#define TOPICS_VERSION       "muster " MU_VERSION " wire " TOPICS_WIRE_(muster_WIRE)
 
 /* The processes that say of a topic what its type is, for tools.  A description costs a millisecond
  * where it is given, and again wherever it is heard, so that one side alone gives it; observers,

@@ -7,6 +7,7 @@
 #include "core/log.h"
 #include "core/options.h"
 #include "core/paths.h"
+#include "muster/version.h"
 #include "operator/operator.h"
 
 #include <errno.h>

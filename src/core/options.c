@@ -3,6 +3,7 @@
 
 #include "core/spell.h"
 #include "core/text.h"
+#include "muster/version.h"
 
 #include <ctype.h>
 #include <stdio.h>

@@ -6,6 +6,7 @@
 #include "core/table.h"
 #include "core/text.h"
 #include "muster/memory.h"
+#include "muster/version.h"
 
 #include <inttypes.h>
 #include <stdio.h>

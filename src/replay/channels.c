@@ -5,6 +5,7 @@
 #include "core/text.h"
 #include "mcap/mcap.h"
 #include "muster/memory.h"
+#include "muster/version.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -4,6 +4,7 @@
 #include "core/exits.h"
 #include "core/text.h"
 #include "muster/memory.h"
+#include "muster/version.h"
 #include "run/chaos.h"
 #include "run/run.h"
 

@@ -117,7 +117,10 @@ mu_result mu_agent_join(mu_process *p, mu_agent **out, const char *name, enum mu
         mu_text_copy(p->platform, sizeof p->platform, name);
     }
     a->state = kind == MU_KIND_ROBOT ? MU_STANDBY : MU_RUNNING;
-    a->handlers = handlers ? *handlers : (struct mu_handlers){0};
+    a->handlers = (struct mu_handlers){0};
+    if (handlers) {
+        memcpy(&a->handlers, handlers, p->handlers_size);
+    }
     a->senses = kind == MU_KIND_ROBOT ? MU_SENSE_SONAR : 0;
     a->since_wall_ns = mu_clock_wall_ns();
     a->last_number = a->acked_number = last_number;

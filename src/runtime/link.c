@@ -4,6 +4,7 @@
 #include "core/clock.h"
 #include "core/name.h"
 #include "core/text.h"
+#include "muster/version.h"
 #include "runtime/process.h"
 
 #include <stdio.h>
@@ -35,6 +36,13 @@ static void beacons_take(struct link *l)
 {
     enum bus_life life;
     const muster_Beacon *beacon;
+    char who[128];
+    while (bus_reader_meets(&l->beacons, who, sizeof who)) {
+        fprintf(stderr,
+                "a broker of another version is passed over (%s); this program is of muster "
+                "%s: use programs of one version\n",
+                who, MU_VERSION);
+    }
     while ((beacon = bus_next(&l->beacons, &life))) {
         if (life == BUS_DATA) {
             bool is_ours = beacon->incarnation == l->incarnation;

@@ -5,6 +5,7 @@
 #include "core/signals.h"
 #include "muster/kind.h"
 #include "muster/memory.h"
+#include "runtime/built.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -56,6 +57,7 @@ void process_take_memory(mu_process *p, uint32_t agents, uint32_t outbox_mails)
     p->out_agents = mu_startup_array(acts, sizeof(struct mu_agent *));
     mu_table_init(&p->names, p->agents_max);
     members_init(&p->members);
+    p->handlers_size = sizeof(struct mu_handlers);
     p->base_kind = &mu_base_kind;
 }
 
@@ -99,9 +101,30 @@ static mu_result domain_find(int *domain)
     return MU_OK;
 }
 
-mu_result mu_process_open(mu_process **out, const struct mu_process_options *options)
+static const struct built_struct structs[] = {
+    {"mu_process_options", sizeof(struct mu_process_options), true},
+    {"mu_handlers", sizeof(struct mu_handlers), true},
+    {"mu_mail", sizeof(struct mu_mail), false},
+    {"mu_percept", sizeof(struct mu_percept), false},
+    {"mu_blob", sizeof(struct mu_blob), false},
+    {"mu_fiducial", sizeof(struct mu_fiducial), false},
+    {"mu_passage", sizeof(struct mu_passage), false}};
+
+mu_result(mu_process_open)(mu_process **out, const struct mu_process_options *options)
 {
-    struct mu_process_options own = options ? *options : (struct mu_process_options){0};
+    return mu_process_open(out, options);
+}
+
+mu_result mu_process_open_built(mu_process **out, const struct mu_process_options *options,
+                                const char *version, const uint32_t *sizes)
+{
+    if (!built_fits(version, sizes, structs, sizeof structs / sizeof structs[0])) {
+        return MU_FAULT_USAGE;
+    }
+    struct mu_process_options own = {0};
+    if (options) {
+        memcpy(&own, options, sizes[0]);
+    }
     MU_TRY(domain_find(&own.domain));
     own.domain = own.domain == MU_DOMAIN_ZERO ? 0 : own.domain;
     own.broker = own.broker ? own.broker : getenv("MUSTER_BROKER");
@@ -115,6 +138,7 @@ mu_result mu_process_open(mu_process **out, const struct mu_process_options *opt
                                  : PROCESS_PLAIN;
     p->pid = getpid();
     process_take_memory(p, options->agents, options->outbox);
+    p->handlers_size = sizes[1];
     directory_init(&p->directory);
     p->incarnation = mu_clock_wall_ns();
     gethostname(p->host, sizeof p->host - 1);

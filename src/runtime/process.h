@@ -159,6 +159,7 @@ struct mu_process {
     struct bus_writer up; /* closed while no broker is known */
     struct bus_reader delivery, multicasts, sense;
     uint64_t incarnation;
+    uint32_t handlers_size;  /* in the program, which may know fewer */
     pid_t pid;               /* that opened it: a child has no threads of DDS */
     bool spins;              /* in mu_process_spin, and so in handlers */
     bool runs;               /* in mu_process_run */

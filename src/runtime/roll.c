@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "runtime/roll.h"
 
+#include "muster/version.h"
 #include "runtime/process.h"
 
 #include <unistd.h>
 
 static char nothing[1];
+static char version[] = MU_VERSION;
 
 static void part_mark(mu_process *p, uint32_t part)
 {
@@ -89,6 +91,8 @@ static muster_Registration part_of(mu_process *p, uint32_t part)
 {
     muster_Registration r = {.process = p->name,
                              .part = part,
+                             .wire = muster_WIRE,
+                             .version = version,
                              .broker = p->link.broker,
                              .incarnation = p->incarnation,
                              .host = p->platform,
@@ -136,7 +140,8 @@ void roll_write(mu_process *p)
 void roll_end(mu_process *p)
 {
     for (uint32_t part = 0; part < parts_used(p); part++) {
-        muster_Registration r = {.process = p->name, .part = part, .broker = nothing};
+        muster_Registration r = {
+            .process = p->name, .part = part, .version = version, .broker = nothing};
         r.host = nothing;
         bus_dispose(&p->registration, &r);
     }

@@ -5,6 +5,7 @@
 #include "core/signals.h"
 #include "core/text.h"
 #include "muster/memory.h"
+#include "runtime/built.h"
 #include "runtime/process.h"
 
 #include <limits.h>
@@ -108,8 +109,30 @@ static void bus_leave(mu_watch *w)
     bus_reader_close(&w->statuses);
 }
 
-mu_result mu_watch_open(mu_watch **out, mu_process *p, const struct mu_watch_options *options)
+static const struct built_struct structs[] = {
+    {"mu_watch_options", sizeof(struct mu_watch_options), true},
+    {"mu_outline", sizeof(struct mu_outline), false},
+    {"mu_mount", sizeof(struct mu_mount), false},
+    {"mu_figure", sizeof(struct mu_figure), false},
+    {"mu_robot_view", sizeof(struct mu_robot_view), false},
+    {"mu_object_view", sizeof(struct mu_object_view), false},
+    {"mu_act_view", sizeof(struct mu_act_view), false},
+    {"mu_mail", sizeof(struct mu_mail), false}};
+
+mu_result(mu_watch_open)(mu_watch **out, mu_process *p, const struct mu_watch_options *options)
 {
+    return mu_watch_open(out, p, options);
+}
+
+mu_result mu_watch_open_built(mu_watch **out, mu_process *p, const struct mu_watch_options *options,
+                              const char *version, const uint32_t *sizes)
+{
+    if (!built_fits(version, sizes, structs, sizeof structs / sizeof structs[0])) {
+        return MU_FAULT_USAGE;
+    }
+    struct mu_watch_options own = {0};
+    memcpy(&own, options, sizes[0]);
+    options = &own;
     mu_watch *w = mu_startup_alloc(sizeof *w);
     w->pid = getpid();
     w->process = p;

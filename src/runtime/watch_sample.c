@@ -38,6 +38,21 @@ static struct mu_outline outline_of(const muster_Outline *o)
                                .corners_m = o->corners_m._buffer};
 }
 
+/* They are the sample's own: both structs are one. */
+static const struct mu_mount *mounts_of(const dds_sequence_muster_Mount *mounts)
+{
+    _Static_assert(sizeof(struct mu_mount) == sizeof(muster_Mount) &&
+                       offsetof(struct mu_mount, y_m) == offsetof(muster_Mount, y_m) &&
+                       offsetof(struct mu_mount, heading_rad) ==
+                           offsetof(muster_Mount, heading_rad) &&
+                       offsetof(struct mu_mount, fov_rad) == offsetof(muster_Mount, fov_rad) &&
+                       offsetof(struct mu_mount, range_m) == offsetof(muster_Mount, range_m) &&
+                       offsetof(struct mu_mount, beams) == offsetof(muster_Mount, beams),
+                   "a mount in C is one on the wire");
+    const void *first = mounts->_length > 0 ? mounts->_buffer : NULL;
+    return first;
+}
+
 static size_t figures_of(struct mu_figure *to, const muster_Figure *from, size_t count, size_t most)
 {
     count = at_most(count, most);
@@ -49,7 +64,12 @@ static size_t figures_of(struct mu_figure *to, const muster_Figure *from, size_t
                                    .x_m = f->x_m,
                                    .y_m = f->y_m,
                                    .heading_rad = f->heading_rad,
-                                   .controlled = f->controlled};
+                                   .controlled = f->controlled,
+                                   .sonar_count = f->sonars._length,
+                                   .sonars = mounts_of(&f->sonars),
+                                   .laser = mounts_of(&f->lasers),
+                                   .camera = mounts_of(&f->cameras),
+                                   .fiducial_finder = mounts_of(&f->fiducial_finders)};
     }
     return count;
 }

@@ -6,6 +6,7 @@
 #include "mcap/mcap.h"
 #include "muster/limits.h"
 #include "muster/memory.h"
+#include "muster/version.h"
 
 #include <errno.h>
 #include <math.h>

@@ -3,6 +3,7 @@
 
 #include "core/log.h"
 #include "muster/memory.h"
+#include "muster/version.h"
 
 #include <arpa/inet.h>
 #include <errno.h>

@@ -50,7 +50,8 @@ static void registration_write(char *name, char *host, char *entry)
         {.name = me, .state = muster_STATE_RUNNING, .home = none, .via = none, .host = none},
         {.name = entry, .state = muster_STATE_RUNNING, .home = none, .via = none, .host = none},
     };
-    muster_Registration r = {.process = name, .broker = none, .host = host, .incarnation = 1};
+    muster_Registration r = {
+        .wire = muster_WIRE, .process = name, .broker = none, .host = host, .incarnation = 1};
     r.agents._buffer = entries;
     r.agents._length = r.agents._maximum = 2;
     mu_result written = bus_write(&registrations, &r);

@@ -344,3 +344,62 @@ def test_a_domain_of_the_environment_that_is_none():
                               timeout=20, check=False)
         check(done.returncode != 0, domain)
         check_equal(done.stderr, f"MUSTER_DOMAIN={domain}: expected a whole number from 0 to 230\n", domain)
+
+
+# Says that its struct number I has SIZE bytes more than in its headers.
+OTHER = r"""
+#include <muster/muster.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int main(int argc, char **argv)
+{
+    struct mu_process_options options = {.domain = atoi(argv[1]), .broker = "no name"};
+    uint32_t sizes[16];
+    mu_process *p = NULL;
+    mu_agent *a;
+    memcpy(sizes, mu_process_sizes(), 8 * sizeof sizes[0]);
+    sizes[atoi(argv[2])] += (uint32_t)atoi(argv[3]);
+    if (mu_process_open_built(&p, &options, "0.0.9", sizes) != MU_OK) {
+        return 3;
+    }
+    puts(mu_agent_join(p, &a, "older", MU_KIND_AGENT, 0, NULL) == MU_OK ? mu_version() : "no");
+    fflush(stdout);
+    mu_result run = mu_process_await_broker(p, 5000000000);
+    mu_process_close(p);
+    return run == MU_OK ? 0 : 4;
+}
+"""
+
+
+def test_a_program_of_other_headers_works_or_is_refused_with_a_word():
+    with folder() as out, Processes() as processes:
+        environment = install(out)
+        (out / "other.c").write_text(OTHER)
+        build(out / "other.c", out / "other", environment, static=False)
+        domain = new_domain()
+        broker_start(processes, domain)
+
+        def other(struct, more):
+            done = subprocess.run([out / "other", str(domain), str(struct), str(more)],
+                                  env=environment, capture_output=True, text=True, timeout=30)
+            return done.returncode, done.stdout, done.stderr
+
+        version = re.search(r'MU_VERSION +"(.*)"',
+                            (ROOT / "include/muster/version.h").read_text())[1]
+        check_equal(other(0, -8), (0, f"{version}\n", ""), "options without their last member")
+        for struct, more, name in ((0, 8, "mu_process_options"), (2, -8, "mu_mail"), (3, 8, "mu_percept")):
+            code, said, words = other(struct, more)
+            check_equal((code, said), (3, ""), "a program that does not fit")
+            check(f"built with muster 0.0.9, where struct {name} has " in words, words)
+
+
+def test_a_program_of_another_wire_is_refused_by_name():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain)
+        done = subprocess.run([program("other_wire"), str(domain)], capture_output=True, text=True,
+                              timeout=30)
+        check_equal((done.returncode, done.stdout), (0, "newer: other-version\n"), done.stderr)
+        check("newer" not in members(domain), "the white pages")

@@ -2,6 +2,7 @@
 #include "broker/membership/membership.h"
 
 #include "broker/control/parts.h"
+#include "muster/version.h"
 
 #include <string.h>
 
@@ -9,6 +10,7 @@
 static const uint64_t HEARTBEAT_NS = 300000000;
 
 static char nothing[1];
+static char version[] = MU_VERSION;
 
 static void part_mark(struct federation *l, uint32_t part)
 {
@@ -111,6 +113,8 @@ bool broker_announcement(struct broker *b, muster_Registration *out)
     }
     *out = (muster_Registration){.process = b->place,
                                  .part = part,
+                                 .wire = muster_WIRE,
+                                 .version = version,
                                  .broker = nothing,
                                  .incarnation = b->incarnation,
                                  .host = sample_text(b->registry.agents[REGISTRY_BROKER].is.host),

@@ -192,7 +192,7 @@ static void entry_take(struct broker *b, struct peer *p, const muster_Entry *e, 
 void federation_hear(struct broker *b, const muster_Registration *r)
 {
     const char *name = remote_is_broker(r->process) ? remote_name(r->process) : NULL;
-    if (!r->is_broker || !mu_name_valid(name)) {
+    if (r->wire != muster_WIRE || !r->is_broker || !mu_name_valid(name)) {
         b->counters.malformed++;
         return;
     }

@@ -4,6 +4,7 @@
 #include "broker/control/parts.h"
 #include "core/name.h"
 #include "core/text.h"
+#include "muster/version.h"
 
 #include <string.h>
 
@@ -272,7 +273,10 @@ void registration_take(struct broker *b, const muster_Registration *r)
     part_leave(b, place, r->part, r);
     for (uint32_t i = 0; i < r->agents._length; i++) {
         const muster_Entry *e = &r->agents._buffer[i];
-        if (!validate_entry(e, false)) {
+        if (r->wire != muster_WIRE) {
+            processes_refuse(&b->processes, place, e->name, muster_REFUSAL_VERSION,
+                             "this broker is muster " MU_VERSION "; use programs of that version");
+        } else if (!validate_entry(e, false)) {
             b->counters.malformed++;
         } else if (e->name[0] != '\0' || e->state != muster_STATE_ABSENT) {
             entry_take(b, place, r, i);

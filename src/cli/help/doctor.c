@@ -6,6 +6,7 @@
 #include "core/exits.h"
 #include "core/json.h"
 #include "core/paths.h"
+#include "muster/version.h"
 #include "operator/operator.h"
 
 #include <gnu/libc-version.h>

@@ -9,6 +9,7 @@
 #include "core/text.h"
 #include "mcap/mcap.h"
 #include "muster/memory.h"
+#include "muster/version.h"
 #include "world/parse/parser.h"
 
 #include <inttypes.h>

@@ -51,22 +51,30 @@ static muster_Mount mount_of(const struct world_pose *pose, double fov_rad, doub
                           .beams = beams};
 }
 
+static dds_sequence_muster_Mount mount_list(muster_Mount *mounts, uint32_t count)
+{
+    return (dds_sequence_muster_Mount){._buffer = mounts, ._length = count, ._maximum = count};
+}
+
 static void figure_sensors(muster_Figure *figure, const struct world_robot *robot)
 {
-    uint32_t lasers = robot->laser.samples > 0;
-    muster_Mount *mounts = mu_startup_array(robot->sonar_count + lasers, sizeof *mounts);
+    enum { OTHERS = 3 }; /* laser, camera, fiducial finder */
+    muster_Mount *mounts = mu_startup_array(robot->sonar_count + OTHERS, sizeof *mounts);
     for (size_t i = 0; i < robot->sonar_count; i++) {
         const struct world_sonar *s = &robot->sonars[i];
         mounts[i] = mount_of(&s->pose, s->fov_rad, s->range_max_m, 1);
     }
-    figure->sonars._buffer = mounts;
-    figure->sonars._length = figure->sonars._maximum = (uint32_t)robot->sonar_count;
-    if (lasers) {
-        const struct world_laser *l = &robot->laser;
-        mounts[robot->sonar_count] = mount_of(&l->pose, l->fov_rad, l->range_max_m, l->samples);
-    }
-    figure->lasers._buffer = mounts + robot->sonar_count;
-    figure->lasers._length = figure->lasers._maximum = lasers;
+    figure->sonars = mount_list(mounts, (uint32_t)robot->sonar_count);
+    mounts += robot->sonar_count;
+    const struct world_laser *l = &robot->laser;
+    mounts[0] = mount_of(&l->pose, l->fov_rad, l->range_max_m, l->samples);
+    figure->lasers = mount_list(&mounts[0], l->samples > 0);
+    const struct world_camera *c = &robot->camera;
+    mounts[1] = mount_of(&c->pose, c->fov_rad, c->range_m, c->columns);
+    figure->cameras = mount_list(&mounts[1], c->columns > 0);
+    const struct world_fiducial_finder *f = &robot->finder;
+    mounts[2] = mount_of(&f->pose, f->fov_rad, f->range_max_m, 1);
+    figure->fiducial_finders = mount_list(&mounts[2], f->range_max_m > 0);
 }
 
 static muster_Figure figure_of_robot(const struct world_robot *robot)

@@ -5,6 +5,7 @@
 #include "core/clock.h"
 #include "core/log.h"
 #include "core/text.h"
+#include "muster/version.h"
 
 #include <math.h>
 #include <string.h>
@@ -157,9 +158,15 @@ static void registrations_take(struct session *s)
 {
     enum bus_life life;
     const muster_Registration *r;
+    char who[128];
+    while (bus_reader_meets(&s->registrations, who, sizeof who)) {
+        mu_log(MU_LOG_WARNING, "other-version",
+               "who=\"%s\" ours=%s does=\"it is not heard: use programs of one version\"", who,
+               MU_VERSION);
+    }
     while ((r = bus_next(&s->registrations, &life))) {
-        bool is_broker = life == BUS_DATA && r->is_broker;
-        if (is_broker) {
+        bool is_ours = life != BUS_DATA || (!r->is_broker && r->wire == muster_WIRE);
+        if (!is_ours) {
             continue;
         }
         if (!phase_has_begun(s) || s->options.free) {

@@ -156,7 +156,8 @@ static inline void net_register(struct net_agent *a, muster_State state)
                           .host = words(""),
                           .since_wall_ns = a->since_wall_ns,
                           .newcomer = a->newcomer};
-    muster_Registration r = {.process = a->process,
+    muster_Registration r = {.wire = muster_WIRE,
+                             .process = a->process,
                              .broker = words(net_names[a->at]),
                              .incarnation = a->incarnation,
                              .host = words("here"),

@@ -114,7 +114,8 @@ static inline muster_Registration registration(const char *name, const char *pro
                                                     .kind = muster_KIND_ROBOT,
                                                     .state = muster_STATE_RUNNING,
                                                     .home = words("")};
-    muster_Registration r = {.process = words(process),
+    muster_Registration r = {.wire = muster_WIRE,
+                             .process = words(process),
                              .part = slot / MU_PART_AGENTS,
                              .broker = words(""),
                              .incarnation = 1,

@@ -9,6 +9,7 @@
 #include "bus/bus.h"
 #include "bus/raw/raw.h"
 #include "mcap/mcap.h"
+#include "muster/version.h"
 #include "rich.h"
 #include "wound.h"
 

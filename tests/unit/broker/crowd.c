@@ -19,7 +19,8 @@ static muster_Registration part_of(const char *process, uint32_t part, uint32_t 
                                     .state = muster_STATE_RUNNING,
                                     .home = words("")};
     }
-    muster_Registration r = {.process = words(process),
+    muster_Registration r = {.wire = muster_WIRE,
+                             .process = words(process),
                              .part = part,
                              .broker = words(""),
                              .incarnation = 1,

@@ -643,7 +643,8 @@ static void part_says(const char *neighbour, uint32_t part, const muster_Entry *
     muster_Entry e = *entry;
     char process[MU_PROCESS_MAX + 1];
     snprintf(process, sizeof process, "broker.%s", neighbour);
-    muster_Registration r = {.process = process,
+    muster_Registration r = {.wire = muster_WIRE,
+                             .process = process,
                              .part = part,
                              .broker = words(""),
                              .incarnation = 1,

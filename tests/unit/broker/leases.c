@@ -50,7 +50,8 @@ static void test_a_lease_of_a_run_holds_at_a_neighbour(void)
     bool had = false;
     lease_in_a_run();
     broker_peers(story.b, 1, story.now_ns);
-    muster_Registration r = {.process = words("broker.beta"),
+    muster_Registration r = {.wire = muster_WIRE,
+                             .process = words("broker.beta"),
                              .broker = words(""),
                              .incarnation = 7,
                              .host = words("there"),
@@ -145,7 +146,8 @@ static void beta_says(uint64_t incarnation)
                       .via = words(""),
                       .host = words("there"),
                       .since_wall_ns = 50};
-    muster_Registration r = {.process = words("broker.beta"),
+    muster_Registration r = {.wire = muster_WIRE,
+                             .process = words("broker.beta"),
                              .broker = words(""),
                              .incarnation = incarnation,
                              .host = words("there"),

@@ -18,7 +18,8 @@ static void hear_of(const char *name, muster_State state)
                       .via = words(""),
                       .host = words("there"),
                       .since_wall_ns = 7};
-    muster_Registration r = {.process = words("broker.beta"),
+    muster_Registration r = {.wire = muster_WIRE,
+                             .process = words("broker.beta"),
                              .broker = words(""),
                              .incarnation = life,
                              .host = words("there"),

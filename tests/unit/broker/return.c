@@ -134,7 +134,8 @@ static void part_say(uint32_t part, const char *name)
                       .state = muster_STATE_RUNNING,
                       .home = words(""),
                       .newcomer = true};
-    muster_Registration r = {.process = words("p-red"),
+    muster_Registration r = {.wire = muster_WIRE,
+                             .process = words("p-red"),
                              .part = part,
                              .broker = words(""),
                              .incarnation = 1,

@@ -420,8 +420,11 @@ static void test_frames_that_wait_in_a_deep_reader(void)
 
 static muster_Registration registration(const char *process, uint32_t pid)
 {
-    return (muster_Registration){
-        .process = words(process), .broker = words("b1"), .host = words("here"), .pid = pid};
+    return (muster_Registration){.wire = muster_WIRE,
+                                 .process = words(process),
+                                 .broker = words("b1"),
+                                 .host = words("here"),
+                                 .pid = pid};
 }
 
 /* Late comers get the newest of each instance, and hear of its end. */

@@ -115,7 +115,8 @@ static muster_Entry entries[MU_PART_AGENTS + 1] = {
     {.name = W("red"), .home = W("")},
     {.name = W("blue"), .home = W("beta")},
 };
-static muster_Registration registration = {.process = W("p1"),
+static muster_Registration registration = {.wire = muster_WIRE,
+                                           .process = W("p1"),
                                            .broker = W("main"),
                                            .host = W("here"),
                                            .agents = {._length = 2, ._buffer = entries}};

@@ -50,7 +50,8 @@ static bool batch_write(int batch)
         for (int i = 0; i < BATCH; i++) {
             char process[32], broker[] = "b1", host[] = "here";
             snprintf(process, sizeof process, "p%d-%d", batch, i);
-            muster_Registration r = {.process = process, .broker = broker, .host = host};
+            muster_Registration r = {
+                .wire = muster_WIRE, .process = process, .broker = broker, .host = host};
             if (pass == 0) {
                 written = bus_write(&writer, &r) == MU_OK && written;
             } else if (i % 2 == 0) {

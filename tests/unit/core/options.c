@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/options.h"
+#include "muster/version.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>

@@ -2,6 +2,7 @@
 /* What a run's recording says of how the run was made; the run itself is in tests/system. */
 #include "capture.h"
 #include "mcap/mcap.h"
+#include "muster/version.h"
 #include "sim/record/record.h"
 #include "suite.h"
 

@@ -143,7 +143,7 @@ static void hear(const char *process, const char *agent, enum bus_life life)
     muster_Entry e = {.name = agent_name,
                       .kind = hosts ? muster_KIND_HOST : muster_KIND_ROBOT,
                       .state = muster_STATE_RUNNING};
-    muster_Registration r = {.process = name, .watches = agent[0] == '\0'};
+    muster_Registration r = {.wire = muster_WIRE, .process = name, .watches = agent[0] == '\0'};
     r.agents._buffer = &e;
     r.agents._length = agent[0] != '\0';
     roster_hear(&s, &r, life);

@@ -4,6 +4,7 @@
 #include "bus/raw/raw.h"
 #include "core/text.h"
 #include "mcap/mcap.h"
+#include "muster/version.h"
 #include "story/story.h"
 #include "suite.h"
 

@@ -191,7 +191,8 @@ static void act_nonsense(void)
                           .kind = (muster_Kind)99,
                           .state = (muster_State)history_roll(9),
                           .home = words("")};
-    muster_Registration r = {.process = words(bad[history_roll(4)]),
+    muster_Registration r = {.wire = muster_WIRE,
+                             .process = words(bad[history_roll(4)]),
                              .broker = words(bad[history_roll(4)]),
                              .incarnation = 1,
                              .host = words("")};

@@ -13,7 +13,8 @@
 void net_register(struct history_process *p)
 {
     muster_Entry entries[SEATS];
-    muster_Registration r = {.process = p->name,
+    muster_Registration r = {.wire = muster_WIRE,
+                             .process = p->name,
                              .broker = words(""),
                              .incarnation = p->incarnation,
                              .host = words("here"),
