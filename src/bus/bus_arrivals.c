@@ -87,7 +87,8 @@ void bus_arrivals_taken(struct bus_reader *r, uint64_t arrived)
 /* By milliseconds, upwards, where the system knows no shorter ones (before Linux 5.11). */
 static int events_wait(int fd, struct epoll_event *events, int most, int64_t timeout_ns)
 {
-    const struct timespec time = {timeout_ns / 1000000000, timeout_ns % 1000000000};
+    const struct timespec time = {(time_t)(timeout_ns / 1000000000),
+                                  (long)(timeout_ns % 1000000000)};
     int count = epoll_pwait2(fd, events, most, &time, NULL);
     if (count < 0 && errno == ENOSYS) {
         int64_t ms = (timeout_ns + 999999) / 1000000;
