@@ -232,11 +232,11 @@ static bool batch_take(struct bus_reader *r)
     if (r->count < BUS_BATCH) {
         bus_arrivals_taken(r, arrived);
     }
-    for (int32_t i = 0; i < r->count; i++) {
-        sample_judge(r, i, &infos[i]);
-    }
     if (r->count > 0) {
         bus_arrivals_poll(r->bus, 0);
+    }
+    for (int32_t i = 0; i < r->count; i++) {
+        sample_judge(r, i, &infos[i]);
     }
     return r->count > 0;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The other sides of an endpoint, as DDS has found them. */
 #include "bus/bus.h"
+#include "bus/local.h"
 #include "bus/topics.h"
 #include "wire.h"
 
@@ -85,6 +86,20 @@ bool bus_reader_hears(const struct bus_reader *reader, const struct bus_writer *
     return reader_find(writer, partition, &process) &&
            process_is_among(&process, reader->reader, dds_get_matched_publications,
                             dds_get_matched_publication_data);
+}
+
+dds_instance_handle_t bus_writer_find(const struct bus_reader *r, const dds_guid_t *writer)
+{
+    dds_instance_handle_t writers[BUS_ENDPOINTS_MAX], found = 0;
+    dds_return_t count = dds_get_matched_publications(r->reader, writers, BUS_ENDPOINTS_MAX);
+    for (dds_return_t i = 0; i < count && i < BUS_ENDPOINTS_MAX && found == 0; i++) {
+        dds_builtintopic_endpoint_t *w = dds_get_matched_publication_data(r->reader, writers[i]);
+        if (w) {
+            found = memcmp(&w->key, writer, sizeof *writer) == 0 ? writers[i] : 0;
+            dds_builtintopic_free_endpoint(w);
+        }
+    }
+    return found;
 }
 
 uint32_t bus_writer_matches(const struct bus_writer *writer)

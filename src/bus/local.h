@@ -10,9 +10,10 @@
  * with DDS.  The way of a pair is settled before the first sample to it, and holds as long as DDS
  * has it matched.
  *
- * The writer says first who it is on DDS; the reader answers with one byte, behind which samples
- * come: eight bytes, of which four are the size, and the topic's CDR in the byte order of the host.
- * Where DDS has the sample for others of its readers, too, one that is connected drops it.
+ * The writer says first who it is on DDS; the reader answers with one byte; the writer says from
+ * when on all comes here, and then samples come: eight bytes, of which four are the size, and the
+ * topic's CDR in the byte order of the host. Where DDS has the sample for others of its readers,
+ * too, one that is connected drops it.
  *
  * One thread at a time.  Memory is DDS's, like that of its samples.
  */
@@ -48,6 +49,11 @@ int32_t local_take(struct bus_reader *r);
 
 /** @return whether a sample of DDS comes, or came, by a socket, too */
 bool local_has(struct bus_reader *r, const dds_sample_info_t *info);
+
+/* --- bus_matches.c --- */
+
+/** @return what a reader has of the writer of that GUID; 0: it has not found it, or misses it */
+dds_instance_handle_t bus_writer_find(const struct bus_reader *r, const dds_guid_t *writer);
 
 /* --- local_writer.c --- */
 

@@ -25,12 +25,14 @@ enum { LOCAL_CDR = 1, LOCAL_HEAD = 8 };
 
 #define LOCAL_HELLO_MARK UINT64_C(0x316f6c6c6568756d) /* "muhello1" */
 
-/* The first bytes of a writer. */
+/* The first bytes of a writer.  The second part follows when it has the answer: only then all that
+ * it writes comes by the socket. */
 struct local_hello {
     uint64_t mark;
     dds_guid_t writer;   /* on DDS */
-    dds_time_t since_ns; /* samples that DDS has of later times come by the socket */
+    dds_time_t since_ns; /* what DDS has of it of later times comes by the socket, too */
 };
+enum { LOCAL_HELLO_FIRST = offsetof(struct local_hello, since_ns) };
 
 /* @return memory of DDS's */
 static inline void *local_memory(size_t bytes)

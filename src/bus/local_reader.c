@@ -16,6 +16,7 @@ enum { ROOM = 1 << 16, AT_ONCE = 8 };
 
 enum local_state {
     INPUT_ACCEPTED, /* it has not said yet who it is */
+    INPUT_ANSWERED, /* and not yet that it has the answer */
     INPUT_MET,
     INPUT_PAUSED, /* its room is full of samples that are not taken yet */
     INPUT_ENDED,  /* and the program is to be told, behind what came before */
@@ -30,6 +31,7 @@ struct local_input {
     struct bus_reader *reader;
     enum local_state state;
     bool queued; /* it has something for the program */
+    bool met;    /* it was, or is */
     struct local_hello hello;
     dds_instance_handle_t writer; /* on DDS; 0: not known yet */
     char *data;
@@ -206,9 +208,8 @@ static void frame_drop(struct local_input *in)
 
 static void input_end(struct local_input *in)
 {
-    bool met = in->state != INPUT_ACCEPTED;
-    input_close(in, met ? INPUT_ENDED : INPUT_OVER);
-    if (met) {
+    input_close(in, in->met ? INPUT_ENDED : INPUT_OVER);
+    if (in->met) {
         news_note(in);
     }
 }
@@ -236,21 +237,26 @@ static bool frames_count(struct local_input *in)
     return true;
 }
 
-/* @return whether it has said who it is, and was answered */
+/* @return whether it has said who it is, was answered, and knows */
 static bool input_meet(struct local_input *in)
 {
-    if (in->state == INPUT_ACCEPTED && in->tail >= sizeof in->hello) {
-        memcpy(&in->hello, in->data, sizeof in->hello);
-        in->head = in->counted = sizeof in->hello;
+    if (in->state == INPUT_ACCEPTED && in->tail >= LOCAL_HELLO_FIRST) {
+        memcpy(&in->hello, in->data, LOCAL_HELLO_FIRST);
         if (in->hello.mark != LOCAL_HELLO_MARK ||
             send(in->source.fd, "", 1, MSG_NOSIGNAL | MSG_DONTWAIT) != 1) {
             in->bus->local_refused++;
             input_end(in);
             return false;
         }
-        in->state = INPUT_MET;
+        in->state = INPUT_ANSWERED;
     }
-    return in->state != INPUT_ACCEPTED;
+    if (in->state == INPUT_ANSWERED && in->tail >= sizeof in->hello) {
+        memcpy(&in->hello, in->data, sizeof in->hello);
+        in->head = in->counted = sizeof in->hello;
+        in->state = INPUT_MET;
+        in->met = true;
+    }
+    return in->met;
 }
 
 static void room_make(struct local_input *in)
@@ -362,37 +368,14 @@ int32_t local_take(struct bus_reader *r)
     return count;
 }
 
-/* Finds on DDS the writers of all connections. */
-static void writers_find(struct bus_reader *r)
-{
-    dds_instance_handle_t writers[BUS_ENDPOINTS_MAX];
-    dds_return_t count = dds_get_matched_publications(r->reader, writers, BUS_ENDPOINTS_MAX);
-    for (dds_return_t i = 0; i < count && i < BUS_ENDPOINTS_MAX; i++) {
-        dds_builtintopic_endpoint_t *writer =
-            dds_get_matched_publication_data(r->reader, writers[i]);
-        for (struct local_input *in = writer ? r->door->inputs : NULL; in; in = in->next) {
-            bool same = memcmp(&writer->key, &in->hello.writer, sizeof writer->key) == 0;
-            in->writer = same ? writers[i] : in->writer;
-        }
-        if (writer) {
-            dds_builtintopic_free_endpoint(writer);
-        }
-    }
-}
-
 bool local_has(struct bus_reader *r, const dds_sample_info_t *info)
 {
-    bool unknown = r->door != NULL;
-    for (int look = 0; unknown && look < 2; look++) {
-        unknown = false;
-        for (struct local_input *in = r->door->inputs; in; in = in->next) {
-            if (in->writer == info->publication_handle) {
-                return info->source_timestamp > in->hello.since_ns;
-            }
-            unknown = unknown || in->writer == 0;
+    for (struct local_input *in = r->door ? r->door->inputs : NULL; in; in = in->next) {
+        if (in->met && in->writer == 0) {
+            in->writer = bus_writer_find(r, &in->hello.writer);
         }
-        if (unknown) {
-            writers_find(r);
+        if (in->met && in->writer == info->publication_handle) {
+            return info->source_timestamp > in->hello.since_ns;
         }
     }
     return false;

@@ -76,12 +76,12 @@ static void pair_ask(struct local_pair *p)
     struct local_writer *o = p->writer;
     dds_builtintopic_endpoint_t *reader = dds_get_matched_subscription_data(o->writer, p->reader);
     struct local_token token;
-    struct local_hello hello = {.mark = LOCAL_HELLO_MARK, .since_ns = o->stamp};
+    struct local_hello hello = {.mark = LOCAL_HELLO_MARK};
     bool has_socket = reader && token_find(o->bus, reader, &token);
     p->source.fd = has_socket ? local_connect(&token, WAITING_MAX) : -1;
     if (p->source.fd >= 0 && local_is_ours(p->source.fd) &&
         dds_get_guid(o->writer, &hello.writer) == DDS_RETCODE_OK &&
-        send(p->source.fd, &hello, sizeof hello, MSG_NOSIGNAL) == (ssize_t)sizeof hello) {
+        send(p->source.fd, &hello, LOCAL_HELLO_FIRST, MSG_NOSIGNAL) == LOCAL_HELLO_FIRST) {
         p->state = PAIR_ASKED;
         local_watch(o->bus, &p->source, EPOLLIN);
     } else {
@@ -96,7 +96,9 @@ static void pair_ask(struct local_pair *p)
 static void answer_take(struct local_pair *p)
 {
     char answer;
-    if (recv(p->source.fd, &answer, 1, MSG_DONTWAIT) == 1) {
+    dds_time_t since_ns = p->writer->stamp;
+    if (recv(p->source.fd, &answer, 1, MSG_DONTWAIT) == 1 &&
+        send(p->source.fd, &since_ns, sizeof since_ns, MSG_NOSIGNAL) == (ssize_t)sizeof since_ns) {
         p->state = PAIR_OPEN;
         local_change(p->writer->bus, &p->source, 0); /* its end is told all the same */
     } else {
@@ -131,17 +133,25 @@ static void waiting_send(struct local_pair *p)
     }
 }
 
+/* Makes the free room one piece. */
+static void waiting_close_up(struct local_pair *p)
+{
+    memmove(p->waiting, p->waiting + p->from, p->to - p->from);
+    p->to -= p->from;
+    p->begun -= p->begun < p->from ? p->begun : p->from;
+    p->from = 0;
+}
+
 static void waiting_add(struct local_pair *p, const char *data, size_t size)
 {
     if (p->from == p->to) {
         local_change(p->writer->bus, &p->source, EPOLLOUT);
     }
+    if (p->from > 0 && p->to + size > p->size) {
+        waiting_close_up(p);
+    }
     if (p->to + size > p->size) {
-        memmove(p->waiting, p->waiting + p->from, p->to - p->from);
-        p->to -= p->from;
-        p->begun -= p->begun < p->from ? p->begun : p->from;
-        p->from = 0;
-        p->size = p->to + size > p->size ? 2 * (p->to + size) : p->size;
+        p->size = 2 * (p->to + size);
         p->waiting = dds_realloc(p->waiting, p->size);
     }
     memcpy(p->waiting + p->to, data, size);

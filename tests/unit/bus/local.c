@@ -47,6 +47,7 @@ struct scene {
     const char *local; /* of the reader: "on" or "off" */
     enum bus_topic topic;
     rlim_t files; /* 0: as many as there are */
+    bool stands;  /* it stands still at first */
 };
 
 static struct bus bus;
@@ -103,7 +104,7 @@ static void side_live(int domain, const struct scene *scene, int orders, int wor
         }
         setrlimit(RLIMIT_NOFILE, &limit);
     }
-    for (char order = 'g';;) {
+    for (char order = scene->stands ? 's' : 'g';;) {
         struct pollfd told = {.fd = orders, .events = POLLIN};
         if (poll(&told, 1, order == 's' ? 100 : 0) == 1 && read(orders, &order, 1) != 1) {
             _exit(0);
@@ -378,6 +379,21 @@ static void test_who_has_no_descriptor_left_stays_with_dds(void)
     scene_end(&s);
 }
 
+/* One that does not answer in time stays with DDS, and nothing of that is dropped. */
+static void test_who_answers_too_late_stays_with_dds(void)
+{
+    struct scene late = {.local = "on", .topic = BUS_DELIVERY, .stands = true};
+    struct side s = scene_begin(&late, 1);
+    steps_write(1, 50, 1);
+    expect_ways(0, 1);
+    order(&s, 'g');
+    expect_steps(&s, 1, 50);
+    steps_write(51, 100, 1);
+    expect_steps(&s, 51, 100);
+    expect_ways(0, 1);
+    scene_end(&s);
+}
+
 /* @return a connection to the reader as any program of this user can have it; hello: says who it
  * is, which the reader answers */
 static int stranger_connect(bool hello)
@@ -394,8 +410,10 @@ static int stranger_connect(bool hello)
     if (hello) {
         struct local_hello who = {.mark = LOCAL_HELLO_MARK};
         char answer;
-        CU_ASSERT_EQUAL(send(fd, &who, sizeof who, MSG_NOSIGNAL), (ssize_t)sizeof who);
+        CU_ASSERT_EQUAL(send(fd, &who, LOCAL_HELLO_FIRST, MSG_NOSIGNAL), LOCAL_HELLO_FIRST);
         CU_ASSERT_EQUAL(recv(fd, &answer, 1, 0), 1);
+        CU_ASSERT_EQUAL(send(fd, &who.since_ns, sizeof who.since_ns, MSG_NOSIGNAL),
+                        (ssize_t)sizeof who.since_ns);
     }
     return fd;
 }
@@ -497,6 +515,7 @@ int main(void)
         {"killed", test_who_is_killed_leaves_no_half_sample},
         {"newest step", test_steps_that_nobody_took_are_passed_over},
         {"no descriptor", test_who_has_no_descriptor_left_stays_with_dds},
+        {"too late", test_who_answers_too_late_stays_with_dds},
         {"strangers", test_strangers_harm_nobody},
         {"child", test_a_child_disturbs_nothing},
         {"border", test_the_border_is_the_same},
