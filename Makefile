@@ -565,15 +565,16 @@ bench-minds: $(O)/test/clips $(O)/bench/micro/mind_cycle ## a robot's control cy
 	@BUILD=$(BUILD) bench/minds/run $(ARGS)
 
 # Against other brokers: their packages are asked for here, and needed nowhere else.
-PEERS := $(addprefix $(O)/bench/broker/peer_,muster dds mqtt redis)
+PEERS := $(addprefix $(O)/bench/broker/peer_,muster dds mqtt nats redis)
 LIBS_peer_muster := -lddsc -lm
 LIBS_peer_dds    := -lddsc -lm
 LIBS_peer_mqtt   := -lmosquitto
+LIBS_peer_nats   := -lnats
 LIBS_peer_redis  := -lhiredis
 OBJS_peer_muster := $(call module_objs,runtime)
 OBJS_peer_dds    := $(call module_objs,bus)
 $(PEERS): $(O)/bench/broker/peer_%: $(O)/bench/broker/peer_%.o $$(OBJS_peer_$$*) \
-  $(patsubst %,$(O)/bench/broker/%.o,load load_crowd load_box) $(call objs,core)
+  $(patsubst %,$(O)/bench/broker/%.o,load load_cpu load_steady load_crowd load_box) $(call objs,core)
 	@mkdir -p $(@D); echo "  LINK  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LIBS_peer_$*)
 
@@ -582,7 +583,7 @@ $(PEERS:%=%.o): | bench-broker-packages
 .PHONY: bench-broker bench-broker-packages
 bench-broker-packages:
 	@bench/broker/packages
-bench-broker: bench-broker-packages all $(BENCHES) $(PEERS) ## ours against mosquitto and Redis: ARGS="--rounds 5 --only NAME --markdown"
+bench-broker: bench-broker-packages all $(BENCHES) $(PEERS) ## ours against mosquitto, NATS and Redis: ARGS="--rounds 5 --only NAME --markdown"
 	@O=$(O) BUILD=$(BUILD) bench/broker/run $(ARGS)
 
 # Against other simulators: Box2D is asked for here, and needed nowhere else.

@@ -17,18 +17,17 @@ DIRECT = BUILD / "bench" / "micro" / "bus_direct"
 NAMES = BUILD / "bench" / "micro" / "runtime_names"
 # Nobody else's: `muster run`, the tests and `make bench` pick lower ones.
 OUR_DOMAIN, DIRECT_DOMAIN = 218, 219
-TICKS_S = os.sysconf("SC_CLK_TCK")
 
 
 class Failed(Exception):
     pass
 
 
-def measure(*words, timeout_s=60):
+def measure(*words, timeout_s=150, env=None):
     """What one program prints: a JSON value, or nothing."""
     words = [str(w) for w in words]
     done = subprocess.run(words, capture_output=True, text=True, timeout=timeout_s,
-                          stdin=subprocess.DEVNULL)
+                          stdin=subprocess.DEVNULL, env=env)
     if done.returncode != 0:
         raise Failed(f"{' '.join(words)}: exit code {done.returncode}: {done.stderr.strip()}")
     return json.loads(done.stdout) if done.stdout else None
@@ -81,9 +80,12 @@ class Broker:
     def __init__(self, process, where, peer, folder):
         self.pid, self.where, self.folder = process and process.pid, where, folder
         self.program = BUILD / "bench" / "broker" / peer
+        self.those = []  # the crowd's processes
 
     def load(self, word, *words):
-        return measure(self.program, word, self.where, *words)
+        """With the processor time of the broker and of all who are there, a unit of the load."""
+        watch = os.environ | {"LOAD_WATCH": " ".join(map(str, [self.pid] + self.those))}
+        return measure(self.program, word, self.where, *words, env=watch if self.pid else None)
 
     def beside(self, word, *words, says=False):
         return background(self.program, word, self.where, *words, says=says)
@@ -96,12 +98,11 @@ class Broker:
             if crowd.said["ready"] != count:
                 raise Failed(f"{self.program.name}: {crowd.said['ready']} of {count} are ready")
             crowd.board = board
+            children = pathlib.Path(f"/proc/{crowd.pid}/task/{crowd.pid}/children").read_text()
+            self.those = [int(pid) for pid in children.split()]
             yield crowd
+        self.those = []
         board.unlink()
-
-    def cpu_s(self):
-        fields = pathlib.Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()
-        return (int(fields[11]) + int(fields[12])) / TICKS_S
 
     def resident_kb(self):
         for line in pathlib.Path(f"/proc/{self.pid}/status").read_text().splitlines():
@@ -115,6 +116,7 @@ class Here:
 
     def __init__(self, folder):
         self.folder = folder
+        self.turn = 0  # who is first
         self.help = subprocess.run([BROKER, "--help"], capture_output=True, text=True,
                                    timeout=10).stdout
 
@@ -167,6 +169,15 @@ class Here:
             with background(program, "-c", file, mute=True) as process:  # of being root
                 port_await(port)
                 yield Broker(process, port, "peer_mqtt", folder)
+
+    @contextlib.contextmanager
+    def nats(self):
+        with self.folder_fresh() as folder:
+            port = free_port()
+            program = shutil.which("nats-server") or "/usr/sbin/nats-server"
+            with background(program, "-a", "127.0.0.1", "-p", port, mute=True) as process:
+                port_await(port)
+                yield Broker(process, port, "peer_nats", folder)
 
     @contextlib.contextmanager
     def redis(self):

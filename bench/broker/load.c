@@ -164,10 +164,25 @@ static void on_answer(const char *text)
     heard = mail.number;
 }
 
-static void sender_open(const char *where)
+void load_sender_open(const char *where)
 {
     struct peer_options options = {.where = where, .name = load_me(), .on_mail = on_answer};
     peer_open(&options);
+}
+
+void load_credit_await(uint64_t count)
+{
+    load_await(&heard, count);
+}
+
+uint64_t load_trip(const char *to, uint64_t number)
+{
+    char text[LOAD_BYTES + 1];
+    load_write(text, "ping", number, load_me());
+    uint64_t began_ns = mu_clock_ns();
+    load_send(to, text, 0);
+    load_await(&heard, number);
+    return mu_clock_ns() - began_ns;
 }
 
 /* ping WHERE COUNT TARGETS: round trips, to the targets in turn. */
@@ -180,29 +195,33 @@ static void load_ping(char **words)
     if (count < 1 || count > PINGS_MAX || targets < 1) {
         load_die("ping: at most %d", PINGS_MAX);
     }
-    sender_open(words[0]);
+    load_sender_open(words[0]);
     const uint64_t warm = count / 20 + targets;
     for (uint64_t i = 1; i <= warm + count; i++) {
-        char text[LOAD_BYTES + 1], to[32];
+        char to[32];
         snprintf(to, sizeof to, "a%llu", (unsigned long long)(i % targets));
-        load_write(text, "ping", i, load_me());
-        uint64_t began_ns = mu_clock_ns();
-        load_send(to, text, 0);
-        load_await(&heard, i);
-        took_ns[i > warm ? i - warm - 1 : 0] = mu_clock_ns() - began_ns;
+        if (i == warm + 1) {
+            load_cpu_begin();
+        }
+        took_ns[i > warm ? i - warm - 1 : 0] = load_trip(to, i);
     }
-    printf("{\"p50_us\": %.2f, \"p99_us\": %.2f}\n", load_quantile(took_ns, count, 0.5) * 1e-3,
+    printf("{");
+    load_cpu_print(count);
+    printf("\"p50_us\": %.2f, \"p99_us\": %.2f}\n", load_quantile(took_ns, count, 0.5) * 1e-3,
            load_quantile(took_ns, count, 0.99) * 1e-3);
 }
 
-/* flood WHERE TO COUNT: from the first mail to the receiver's word that it has had the last. */
+/* flood WHERE TO COUNT BATCH: a spin behind each BATCH mails; from the first mail to the receiver's
+ * word that it has had the last. */
 static void load_flood(char **words)
 {
     uint64_t count = strtoull(words[2], NULL, 10);
-    if (count < FLOOD_WINDOW || count > LOAD_COUNT_MAX) {
+    uint64_t batch = strtoull(words[3], NULL, 10);
+    if (count < FLOOD_WINDOW || count > LOAD_COUNT_MAX || batch < 1) {
         load_die("flood: from %d to %d", FLOOD_WINDOW, LOAD_COUNT_MAX);
     }
-    sender_open(words[0]);
+    load_sender_open(words[0]);
+    load_cpu_begin();
     uint64_t began_ns = mu_clock_ns();
     for (uint64_t sent = 0; sent < count && !load_is_over(); sent++) {
         char text[LOAD_BYTES + 1];
@@ -211,11 +230,16 @@ static void load_flood(char **words)
             load_await(&heard, sent + 1 - FLOOD_WINDOW);
         }
         load_send(words[1], text, 0);
+        if ((sent + 1) % batch == 0) {
+            peer_spin(0);
+        }
     }
     if (!load_is_over()) {
         load_await(&heard, count / LOAD_CREDIT * LOAD_CREDIT);
     }
-    printf("{\"mails_s\": %.1f}\n", (double)count * 1e9 / (double)(mu_clock_ns() - began_ns));
+    printf("{");
+    load_cpu_print(count);
+    printf("\"mails_s\": %.1f}\n", (double)count * 1e9 / (double)(mu_clock_ns() - began_ns));
 }
 
 /* --- the program ------------------------------------------------------------------------------ */
@@ -226,9 +250,9 @@ static const struct {
     void (*run)(char **words);
 } loads[] = {
     {"crowd", 3, load_crowd}, {"ping", 3, load_ping},
-    {"flood", 3, load_flood}, {"tell", 3, load_tell},         {"visit", 2, load_visit},
+    {"flood", 4, load_flood}, {"tell", 3, load_tell},         {"visit", 2, load_visit},
     {"store", 4, load_store}, {"drain", 3, load_drain},       {"pour", 3, load_pour},
-    {"deaf", 2, load_deaf},
+    {"deaf", 2, load_deaf},   {"pace", 4, load_pace}, {"pairs", 3, load_pairs},
 };
 
 int main(int argc, char **argv)

@@ -11,6 +11,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <sys/types.h>
 
 enum { LOAD_BYTES = 128, LOAD_CREDIT = 100, LOAD_COUNT_MAX = 10000000 };
 
@@ -42,6 +43,28 @@ double load_quantile(uint64_t *values, uint64_t count, double part);
 
 /** @return the name of this process as a sender */
 const char *load_me(void);
+
+/** Connects as a sender that hears answers. */
+void load_sender_open(const char *where);
+
+/** Waits until the receiver has given credit for so many mails, a multiple of LOAD_CREDIT. */
+void load_credit_await(uint64_t count);
+
+/** @return how long ping number took, in ns; the numbers of a sender are 1, 2, ... */
+uint64_t load_trip(const char *to, uint64_t number);
+
+/* load_cpu.c */
+
+/** One more process whose processor time counts; before load_cpu_begin(). */
+void load_cpu_watch(pid_t pid);
+void load_cpu_begin(void);
+
+/** Prints two members of the JSON object, in us a unit, if LOAD_WATCH names a broker. */
+void load_cpu_print(uint64_t units);
+
+/* load_steady.c */
+void load_pace(char **words);
+void load_pairs(char **words);
 
 /* load_crowd.c */
 void load_crowd(char **words);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file peer.h
- * What the loads ask of a broker: peer_muster.c, peer_mqtt.c and peer_redis.c are one program each,
- * and peer_dds.c, which has none.
+ * What the loads ask of a broker: peer_muster.c, peer_mqtt.c, peer_nats.c and peer_redis.c are one
+ * program each, and peer_dds.c, which has none.
  *
  * One connection; one thread, at a time.  What fails ends the program with a word on standard
  * error.

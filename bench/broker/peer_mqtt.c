@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Topics: mail/NAME for one, all for all.  Nothing is published from a callback: the library would
- * only queue it there, and need another turn of its loop to write it. */
+ * only queue it there, and need another turn of its loop to write it.  The library's own loop waits
+ * whole milliseconds; a poll() of ours waits as long as it is asked to. */
 #include "peer.h"
 
 #include "core/clock.h"
 #include "load.h"
 
 #include <mosquitto.h>
+#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -148,8 +150,19 @@ static void answers_send(void)
 
 void peer_spin(int64_t timeout_ns)
 {
-    int timeout_ms = (int)((timeout_ns + 999999) / 1000000);
-    or_die(mosquitto_loop(peer.session, timeout_ms, 1), "loop");
+    bool writes = mosquitto_want_write(peer.session);
+    struct pollfd fd = {.fd = mosquitto_socket(peer.session),
+                        .events = (short)(POLLIN | (writes ? POLLOUT : 0))};
+    struct timespec timeout = {timeout_ns / 1000000000, timeout_ns % 1000000000};
+    if (ppoll(&fd, 1, &timeout, NULL) > 0) {
+        if (fd.revents & POLLOUT) {
+            or_die(mosquitto_loop_write(peer.session, 1), "write");
+        }
+        if (fd.revents & ~POLLOUT) {
+            or_die(mosquitto_loop_read(peer.session, 1), "read");
+        }
+    }
+    or_die(mosquitto_loop_misc(peer.session), "loop");
     answers_send();
 }
 

@@ -8,7 +8,9 @@ import typing
 import brokers
 
 PINGS, CROWD, STORED = 2000, 100, 10000
-FLOOD = {"ours": 200000, "mqtt": 100000}  # mails: about half a second
+PACE_S, PACED = 1000, 3000
+FLOOD = {"ours": 200000, "mqtt": 100000, "nats": 100000}  # mails: a second or less
+PAIRS, TRIPS, TRIPS_MEMORY = 50, 200, 4000  # round trips of a pair
 NAMES_MANY, NAMES_FEW, CACHED = 10000, 100, 1000000
 
 
@@ -17,13 +19,28 @@ def both(here):
     return (("ours", here.ours), ("mqtt", here.mosquitto))
 
 
+def every(here):
+    """The same with NATS; in each round another one is first."""
+    those = [*both(here), ("nats", here.nats)]
+    first = here.turn % len(those)
+    return those[first:] + those[:first]
+
+
 def prefixed(prefix, numbers):
     return {f"{prefix}_{key}": value for key, value in numbers.items()}
 
 
+def paced(here):
+    found = {}
+    for prefix, start in every(here):
+        with start() as broker, broker.crowd(1):
+            found.update(prefixed(f"{prefix}_paced", broker.load("pace", "a0", PACE_S, PACED)))
+    return found
+
+
 def roundtrip(here):
     found = {"direct_us": here.direct_us()}
-    for prefix, start in both(here):
+    for prefix, start in every(here):
         with start() as broker, broker.crowd(1):
             found.update(prefixed(f"{prefix}_trip", broker.load("ping", PINGS, 1)))
     return found
@@ -31,19 +48,38 @@ def roundtrip(here):
 
 def throughput(here):
     found = {}
-    for prefix, start in both(here):
+    for prefix, start in every(here):
         with start() as broker, broker.crowd(1):
-            count = FLOOD[prefix]
-            broker.load("flood", "a0", 5000)
-            before_s = broker.cpu_s()
-            found[f"{prefix}_mails_s"] = broker.load("flood", "a0", count)["mails_s"]
-            found[f"{prefix}_cpu_us"] = (broker.cpu_s() - before_s) / count * 1e6
+            broker.load("flood", "a0", 5000, 16)
+            for batch in (16, 1):
+                numbers = broker.load("flood", "a0", FLOOD[prefix], batch)
+                found.update(prefixed(f"{prefix}_flood{batch}", numbers))
+    return found
+
+
+def pairs(here):
+    found = {}
+    for prefix, start in every(here):
+        with start() as broker, broker.crowd(PAIRS):
+            found.update(prefixed(f"{prefix}_pairs", broker.load("pairs", PAIRS, TRIPS)))
+    return found
+
+
+def memory(here):
+    """What 100 processes, 50 that ask and 50 that answer, leave behind in a broker."""
+    found = {}
+    for prefix, start in every(here):
+        with start() as broker, broker.crowd(PAIRS):
+            broker.load("pairs", PAIRS, TRIPS)
+            found[f"{prefix}_few_mb"] = broker.resident_kb() / 1024
+            broker.load("pairs", PAIRS, TRIPS_MEMORY)
+            found[f"{prefix}_many_mb"] = broker.resident_kb() / 1024
     return found
 
 
 def crowd(here):
     found = {}
-    for prefix, start in both(here):
+    for prefix, start in every(here):
         with start() as broker, broker.crowd(1):
             found[f"{prefix}_of1_p50_us"] = broker.load("ping", PINGS, 1)["p50_us"]
         # Another broker: at ours, a name of somebody who was killed is held until his lease ends.
@@ -130,7 +166,7 @@ def bystanders(here):
             with broker.beside("deaf", "deaf", says=True):
                 with broker.beside("pour", "deaf", POUR_S):
                     note("deaf")
-            with broker.beside("flood", "a1", 10000000):
+            with broker.beside("flood", "a1", 10000000, 16):
                 note("flood")
     return found
 
@@ -146,14 +182,14 @@ def interval(here):
     for ms, (pings, mails) in INTERVALS.items():
         with here.ours("--delivery-interval", ms) as broker, broker.crowd(1):
             found[f"interval_{ms}_delay_us"] = broker.load("ping", pings, 1)["p50_us"] / 2
-            before_s = broker.cpu_s()
-            found[f"interval_{ms}_mails_s"] = broker.load("flood", "a0", mails)["mails_s"]
-            found[f"interval_{ms}_cpu_us"] = (broker.cpu_s() - before_s) / mails * 1e6
+            numbers = broker.load("flood", "a0", mails, 16)
+            found[f"interval_{ms}_mails_s"] = numbers["mails_s"]
+            found[f"interval_{ms}_cpu_us"] = numbers["cpu_us"]
     return found
 
 
-GROUPS = {"roundtrip": roundtrip, "throughput": throughput, "crowd": crowd, "names": names,
-          "stored": stored, "bystanders": bystanders, "interval": interval}
+GROUPS = {"paced": paced, "roundtrip": roundtrip, "throughput": throughput, "pairs": pairs,
+          "crowd": crowd, "memory": memory, "names": names, "stored": stored, "bystanders": bystanders, "interval": interval}
 
 DIGITS = {"us": 1, "MB": 1, "kB": 1, "s": 3, "ms": 1, "ns": 0}
 
@@ -185,19 +221,47 @@ class Line(typing.NamedTuple):
 NO_STORE = "muster-broker has no --store"
 NO_NAMES = "runtime_names is not there"
 MQ0, MQ1 = "mosquitto QoS 0:", "mosquitto QoS 1:"
+NATS = "NATS:"
+
+
+def beside(group, what, unit, key, most=None, least=None, nats_least=None):
+    """Two lines: ours beside mosquitto, and beside NATS."""
+    return (Line(group, what, unit, f"ours_{key}", MQ0, f"mqtt_{key}", most, least),
+            Line(group, what, unit, f"ours_{key}", NATS, f"nats_{key}", None, nats_least))
+
+
 LINES = (
+    *beside("paced", "paced 1,000/s, broker CPU per mail", "us", "paced_cpu_us", 0.95),
+    *beside("paced", "paced 1,000/s, all CPU per mail", "us", "paced_all_cpu_us", 0.9),
+    *beside("roundtrip", "round trip p50", "us", "trip_p50_us", 0.65),
+    *beside("roundtrip", "round trip p99", "us", "trip_p99_us", 1),
+    *beside("roundtrip", "round trip, broker CPU", "us", "trip_cpu_us"),
+    *beside("roundtrip", "round trip, all CPU", "us", "trip_all_cpu_us", 0.65),
     Line("roundtrip", "round trip p50", "us", "ours_trip_p50_us", "direct DDS:", "direct_us", 2.2),
-    Line("roundtrip", "round trip p50", "us", "ours_trip_p50_us", MQ0, "mqtt_trip_p50_us", 1.7),
-    Line("roundtrip", "round trip p99", "us", "ours_trip_p99_us", MQ0, "mqtt_trip_p99_us", 2),
-    Line("throughput", "one pair, mails", "1/s", "ours_mails_s", MQ0, "mqtt_mails_s", least=3),
-    Line("throughput", "one pair, broker CPU per mail", "us", "ours_cpu_us", MQ0, "mqtt_cpu_us",
-         0.4),
-    Line("crowd", "broadcast to 100, deliveries", "1/s", "ours_all_deliveries_s", MQ0,
-         "mqtt_all_deliveries_s", least=2),
-    Line("crowd", "broadcast to 100, complete p50", "us", "ours_all_p50_us", MQ0,
-         "mqtt_all_p50_us", 1.4),
-    Line("crowd", "broadcast to 100, complete p99", "us", "ours_all_p99_us", MQ0,
-         "mqtt_all_p99_us", 3),
+    *beside("throughput", "flood, 16 at a time", "1/s", "flood16_mails_s", least=5),
+    *beside("throughput", "flood, 16 at a time, broker CPU per mail", "us", "flood16_cpu_us"),
+    *beside("throughput", "flood, one at a time", "1/s", "flood1_mails_s", None, 2.8, 1.1),
+    *beside("throughput", "flood, one at a time, broker CPU per mail", "us", "flood1_cpu_us"),
+    *beside("throughput", "flood, one at a time, all CPU per mail", "us", "flood1_all_cpu_us"),
+    *beside("pairs", "50 pairs at once, round trips", "1/s", "pairs_trips_s", None, 1.3, 1.15),
+    *beside("pairs", "50 pairs at once, p50", "us", "pairs_p50_us"),
+    *beside("pairs", "50 pairs at once, p99", "us", "pairs_p99_us", 1.1),
+    *beside("pairs", "50 pairs at once, broker CPU per round trip", "us", "pairs_cpu_us"),
+    *beside("pairs", "50 pairs at once, all CPU per round trip", "us", "pairs_all_cpu_us", 0.7),
+    *beside("crowd", "each of 100 in turn, p50", "us", "of100_p50_us", 1),
+    *beside("crowd", "each of 100 in turn, p99", "us", "of100_p99_us", 1.2),
+    *beside("crowd", "each of 100 in turn, broker CPU", "us", "of100_cpu_us", 1.1),
+    *beside("crowd", "each of 100 in turn, all CPU", "us", "of100_all_cpu_us"),
+    *beside("crowd", "broadcast to 100, complete p50", "us", "all_p50_us", 0.75),
+    *beside("crowd", "broadcast to 100, complete p99", "us", "all_p99_us", 1.2),
+    *beside("crowd", "broadcast to 100, broker CPU", "us", "all_cpu_us"),
+    *beside("crowd", "broadcast to 100, all CPU", "us", "all_all_cpu_us"),
+    *beside("crowd", "broadcasts in a flood, deliveries", "1/s", "all_deliveries_s", None, 4, 0.5),
+    *beside("memory", "broker's memory after 10,000 round trips of 100", "MB", "few_mb"),
+    *beside("memory", "broker's memory after 200,000 more", "MB", "many_mb"),
+    Line("memory", "broker's memory after 200,000 more", "MB", "ours_many_mb", most=20),
+    Line("memory", "broker's memory after 200,000 more", "MB", "ours_many_mb", "ours, before:",
+         "ours_few_mb"),
     Line("crowd", "broadcast to 100, complete p50", "us", "ours_all_p50_us", "direct DDS:",
          "direct_all_p50_us"),
     Line("crowd", "direct DDS to 100, complete p50", "us", "direct_all_p50_us", MQ0,
@@ -208,8 +272,6 @@ LINES = (
          "ours_of1_p50_us", 1.8),
     Line("crowd", "round trip p50, each of 100 in turn", "us", "ours_of100_p50_us",
          "ours, among 1:", "ours_of1_p50_us"),
-    Line("crowd", "round trip p50, each of 100 in turn", "us", "ours_of100_p50_us", MQ0,
-         "mqtt_of100_p50_us"),
     Line("crowd", "100 processes started and reachable", "s", "ours_ready_s", most=0.6),
     Line("crowd", "broker's memory per process", "kB", "ours_process_kb", most=80),
     Line("names", "broker's memory, idle", "MB", "idle_mb", most=10),
