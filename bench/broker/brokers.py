@@ -139,7 +139,7 @@ class Here:
 
     @contextlib.contextmanager
     def direct(self, crowd):
-        """No broker: one writes and a crowd reads."""
+        """No broker, the bus alone: one writes and a crowd reads."""
         with self.folder_fresh() as folder:
             yield Broker(None, f"{DIRECT_DOMAIN}:{crowd}", "peer_dds", folder)
 
