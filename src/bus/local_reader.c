@@ -10,9 +10,9 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A connection reads so many bytes ahead, and more only for a sample that is larger.  So many
- * samples of one are taken, and then some of the next. */
-enum { ROOM = 1 << 16, AT_ONCE = 8 };
+/* A connection begins with so much room, has up to ROOM where much comes at once, and more only for
+ * a sample that is larger.  So many samples of one are taken, and then some of the next. */
+enum { ROOM_FIRST = 1 << 12, ROOM = 1 << 16, AT_ONCE = 8 };
 
 enum local_state {
     INPUT_ACCEPTED, /* it has not said yet who it is */
@@ -130,8 +130,8 @@ static void door_accept(struct bus *bus, struct local_door *door)
                                    .next = door->inputs,
                                    .bus = bus,
                                    .reader = door->reader,
-                                   .data = local_memory(ROOM),
-                                   .size = ROOM};
+                                   .data = local_memory(ROOM_FIRST),
+                                   .size = ROOM_FIRST};
         door->inputs = in;
         local_watch(bus, &in->source, EPOLLIN);
     }
@@ -268,7 +268,8 @@ static void room_make(struct local_input *in)
         in->head = 0;
     }
     bool is_large = in->tail == 0 && in->size > ROOM;
-    if (is_large || (in->tail == in->size && in->frames == 0)) {
+    bool is_small = in->tail == in->size && (in->frames == 0 || in->size < ROOM);
+    if (is_large || is_small) {
         in->size = is_large ? ROOM : in->size * 2;
         in->data = dds_realloc(in->data, in->size);
     }
@@ -280,23 +281,31 @@ static void input_pause(struct local_input *in, bool pause)
     local_change(in->bus, &in->source, pause ? 0 : EPOLLIN);
 }
 
-static void input_read(struct local_input *in)
+/* @return whether its room was filled: more may be there */
+static bool input_fill(struct local_input *in)
 {
     if (in->head == in->tail || in->tail == in->size) {
         room_make(in);
     }
-    if (in->tail == in->size) {
+    size_t room = in->size - in->tail;
+    if (room == 0) {
         input_pause(in, true);
-        return;
+        return false;
     }
-    ssize_t n = recv(in->source.fd, in->data + in->tail, in->size - in->tail, MSG_DONTWAIT);
-    if (n > 0) {
-        in->tail += (size_t)n;
-        if (input_meet(in) && !frames_count(in)) {
-            input_end(in);
-        }
-    } else if (n == 0 || (errno != EAGAIN && errno != EINTR)) {
+    ssize_t n = recv(in->source.fd, in->data + in->tail, room, MSG_DONTWAIT);
+    in->tail += n > 0 ? (size_t)n : 0;
+    bool ends = n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR);
+    if (ends || (n > 0 && input_meet(in) && !frames_count(in))) {
         input_end(in);
+    }
+    return n == (ssize_t)room && in->source.fd >= 0;
+}
+
+/* Where the last sample alone counts, it is the last that is there now. */
+static void input_read(struct local_input *in)
+{
+    bool keeps_all = topic_table[in->reader->topic].keeps_all;
+    while (input_fill(in) && !keeps_all) {
     }
 }
 
