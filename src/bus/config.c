@@ -144,16 +144,17 @@ void config_write(struct mu_text *xml, const struct bus_options *options, int in
     peers_write(xml, options, interface);
     /* Watermarks: the windows of mailbox.h and of the lock step bound what is under way; the
      * default of 500 kB would refuse writes long before.  It begins at 30 kB: writers to a broker
-     * that was killed and is back would stop for 10 s, until the lease of the killed one ends.
-     * ReceiveBufferSize: one packet that waits for those before it holds a whole buffer, as of a
-     * process that was killed until its lease ends; the default is 1 MiB. */
-    mu_text_format(
-        xml,
-        "</Peers><SPDPInterval>%s</SPDPInterval></Discovery>"
-        "<Internal><WriterLingerDuration>0s</WriterLingerDuration>"
-        "<HeartbeatInterval min=\"20ms\" minsched=\"20ms\">%s</HeartbeatInterval>"
-        "<Watermarks><WhcHigh>8MB</WhcHigh><WhcHighInit>8MB</WhcHighInit></Watermarks></Internal>"
-        "<Sizing><ReceiveBufferSize>256KiB</ReceiveBufferSize></Sizing>"
-        "</Domain></CycloneDDS>",
-        presence_interval(options), heartbeat_interval(options, interface));
+     * that was killed and is back would stop for 10 s, until the lease of the killed one ends.  It
+     * adapts: each sample that a reader asks for again lowers it, so that those to a tool that was
+     * killed would stop, too. ReceiveBufferSize: one packet that waits for those before it holds a
+     * whole buffer, as of a process that was killed until its lease ends; the default is 1 MiB. */
+    mu_text_format(xml,
+                   "</Peers><SPDPInterval>%s</SPDPInterval></Discovery>"
+                   "<Internal><WriterLingerDuration>0s</WriterLingerDuration>"
+                   "<HeartbeatInterval min=\"20ms\" minsched=\"20ms\">%s</HeartbeatInterval>"
+                   "<Watermarks><WhcHigh>8MB</WhcHigh><WhcHighInit>8MB</WhcHighInit>"
+                   "<WhcAdaptive>false</WhcAdaptive></Watermarks></Internal>"
+                   "<Sizing><ReceiveBufferSize>256KiB</ReceiveBufferSize></Sizing>"
+                   "</Domain></CycloneDDS>",
+                   presence_interval(options), heartbeat_interval(options, interface));
 }
