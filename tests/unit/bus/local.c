@@ -193,7 +193,8 @@ static void expect_no_word(const struct side *s)
 static struct side scene_begin(const struct scene *scene, uint32_t readers)
 {
     struct side s = side_start(scene);
-    struct bus_options options = {.domain = next_domain, .place = BUS_AGENT, .name = "writer"};
+    struct bus_options options = {
+        .domain = next_domain, .place = BUS_AGENT, .name = "writer", .local = "on"};
     CU_ASSERT_EQUAL_FATAL(bus_open(&bus, &options), MU_OK);
     CU_ASSERT_EQUAL_FATAL(bus_writer_open(&bus, scene->topic, "p1", NULL, &writer), MU_OK);
     if (readers > 1) {
