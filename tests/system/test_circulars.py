@@ -137,6 +137,9 @@ def test_a_broker_that_is_killed_amid_them_is_back():
         check(circulars(domain) > 0, "circulars of the last life")
 
 
+MANY = 12000  # a broker is killed twice before all of them are through
+
+
 def told_by_a_broker_that_is_killed(processes, out, level, seconds):
     """The sender of mail to all of the crowd, as fast as it goes: some are far ahead of others."""
     domain = new_domain()
@@ -144,7 +147,7 @@ def told_by_a_broker_that_is_killed(processes, out, level, seconds):
     broker = broker_start(processes, domain, *store)
     crowd_start(processes, domain, out)
     with open(out / "other-words", "w") as others:
-        sender = processes.start(program("mail_sender"), domain, "tx", ",".join(CROWD), 3000, seconds,
+        sender = processes.start(program("mail_sender"), domain, "tx", ",".join(CROWD), MANY, seconds,
                                  level, stderr=others)
     for _ in range(2):
         had = len(heard(out, "r0"))
@@ -158,7 +161,7 @@ def told_by_a_broker_that_is_killed(processes, out, level, seconds):
 def test_a_broker_that_is_killed_loses_no_durable_mail_to_many():
     with folder() as out, Processes() as processes:
         sender = told_by_a_broker_that_is_killed(processes, out, "logged", 10)
-        all_heard(out, CROWD, 3000)
+        all_heard(out, CROWD, MANY)
         sender.wait(60)  # some last words it may hear twice, or not: they died with a broker
         check_equal((out / "other-words").read_text(), "", "no mail had another end than delivered")
 
