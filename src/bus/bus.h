@@ -63,7 +63,7 @@ struct bus_options {
     const char *interface; /* address of the network interface; NULL: 127.0.0.1 */
     const char *hub;       /* hosts of brokers and simulator, joined by commas; NULL: the
                               interface's own address, which hubs always peer with, too */
-    const char *local;     /* "off": DDS alone; NULL: as LOCAL_ENVIRONMENT says, else so */
+    const char *local;     /* "off": DDS alone; NULL: as LOCAL_ENVIRONMENT says, else "on" */
 };
 
 enum { BUS_BATCH = 32 };

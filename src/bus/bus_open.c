@@ -182,8 +182,8 @@ mu_result bus_open(struct bus *bus, const struct bus_options *options)
         return MU_FAULT_USAGE;
     }
     const char *says = options->local ? options->local : getenv(LOCAL_ENVIRONMENT);
-    bool local = says && strcmp(says, "on") == 0;
-    if (!local && says && says[0] && strcmp(says, "off") != 0) {
+    bool local = !says || !says[0] || strcmp(says, "on") == 0;
+    if (!local && strcmp(says, "off") != 0) {
         fprintf(stderr, "expected --local on or off, not '%s'\n", says);
         return MU_FAULT_USAGE;
     }

@@ -52,7 +52,7 @@ static struct mu_option option_table[] = {
     MU_INTEGER("domain", "D", chosen.domain, "DDS domain (default: a free one)",
                .environment = "MUSTER_DOMAIN", .max = 230),
     MU_STRING("local", "on|off", chosen.local,
-              "sockets beside DDS between processes of one host (default: off)",
+              "sockets beside DDS between processes of one host (default: on)",
               .environment = LOCAL_ENVIRONMENT),
     MU_REAL("limit", "S", chosen.limit_s,
             "end the run after this much wall time, with exit code 124; 0: never", .fallback = "0",

@@ -26,7 +26,7 @@ struct mu_network {
                   "network interface (default: loopback alone)",                              \
                   .environment = "MUSTER_INTERFACE"),                                         \
         MU_STRING("local", "on|off", (network).local,                                         \
-                  "sockets beside DDS between processes of one host (default: off)",           \
+                  "sockets beside DDS between processes of one host (default: on)",           \
                   .environment = "MUSTER_LOCAL"),                                             \
         MU_LIST("peer", "HOST", (network).peers,                                              \
                 "host of brokers and simulator, when it is another; may stand several times", \

@@ -143,7 +143,7 @@ static void sockets_check(struct doctor_finding *f)
     if (sockets) {
         fclose(sockets);
     }
-    bool off = !set.network.local || strcmp(set.network.local, "on") != 0;
+    bool off = set.network.local && strcmp(set.network.local, "off") == 0;
     snprintf(f->found, sizeof f->found, "%s; %u connections between processes of this host",
              off ? "off: all goes by DDS" : "on, beside DDS", connected);
 }
