@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Looks at what goes to simulator and processes, as any tool on DDS does: opens readers of Up and
- * Delivery and closes them again, so many times.  At the end a line: how often it saw one, how many
- * samples, and how many steps came twice or were missing between the first and the last.
+ * Looks at what goes to simulator and processes, as any tool on DDS does: comes, opens readers of
+ * Up and Delivery, and goes again, so many times or until there is nothing more.  At the end a
+ * line: how often it saw one, how many samples, and how many steps came twice or were missing
+ * between the first and the last.  Each time it is a participant of its own: readers that follow
+ * others in one participant get what DDS still sends to those, before a writer knows them.
  *   up_watcher DOMAIN TIMES MS
  */
 #include "bus/bus.h"
@@ -16,7 +18,8 @@
 
 enum { WRITERS = 64 };
 
-static struct bus bus;
+static const uint64_t PATIENCE_NS = 20000000000; /* until a run has begun, or is over */
+
 static struct {
     char process[MU_PROCESS_MAX + 1];
     int64_t step;
@@ -40,36 +43,56 @@ static void step_note(const char *process, int64_t step)
     last[i].step = step;
 }
 
-static void look(uint64_t for_ns)
+static void ups_take(struct bus_reader *ups)
 {
-    static struct bus_reader ups, deliveries;
     enum bus_life life;
     const muster_Up *up;
-    uint64_t until_ns = mu_clock_ns() + for_ns, before = samples;
+    while ((up = bus_next(ups, &life))) {
+        if (life == BUS_DATA && up->step > 0) {
+            step_note(up->process, up->step);
+        }
+    }
+}
+
+static void deliveries_take(struct bus_reader *deliveries)
+{
+    enum bus_life life;
+    const muster_Delivery *d;
+    while ((d = bus_next(deliveries, &life))) {
+        if (life == BUS_DATA && d->step > 0) {
+            char reader[sizeof last[0].process];
+            snprintf(reader, sizeof reader, "to %.*s", MU_PROCESS_MAX - 3, d->process);
+            step_note(reader, d->step);
+        }
+    }
+}
+
+/* @return whether there was anything to see, which is looked at for so long from its first sample
+ */
+static bool look(const struct bus_options *options, uint64_t for_ns)
+{
+    static struct bus bus;
+    static struct bus_reader ups, deliveries;
     memset(last, 0, sizeof last);
-    if (bus_reader_open(&bus, BUS_UP, "simulator", &ups) != MU_OK ||
+    if (bus_open(&bus, options) != MU_OK ||
+        bus_reader_open(&bus, BUS_UP, "simulator", &ups) != MU_OK ||
         bus_reader_open(&bus, BUS_DELIVERY, "p*", &deliveries) != MU_OK) {
         exit(4);
     }
+    uint64_t before = samples, until_ns = mu_clock_ns() + PATIENCE_NS;
     while (mu_clock_ns() < until_ns) {
+        bool none = samples == before;
         bus_wait(&bus, 1, 1000000);
-        while ((up = bus_next(&ups, &life))) {
-            if (life == BUS_DATA && up->step > 0) {
-                step_note(up->process, up->step);
-            }
-        }
-        const muster_Delivery *d;
-        while ((d = bus_next(&deliveries, &life))) {
-            if (life == BUS_DATA && d->step > 0) {
-                char reader[sizeof last[0].process];
-                snprintf(reader, sizeof reader, "to %.*s", MU_PROCESS_MAX - 3, d->process);
-                step_note(reader, d->step);
-            }
+        ups_take(&ups);
+        deliveries_take(&deliveries);
+        if (none && samples > before) {
+            until_ns = mu_clock_ns() + for_ns;
         }
     }
-    visits += samples > before;
     bus_reader_close(&ups);
     bus_reader_close(&deliveries);
+    bus_close(&bus);
+    return samples > before;
 }
 
 int main(int argc, char **argv)
@@ -78,11 +101,12 @@ int main(int argc, char **argv)
                                   .place = BUS_OBSERVER,
                                   .name = "up_watcher",
                                   .local = "off"};
-    if (options.domain < 0 || bus_open(&bus, &options) != MU_OK) {
+    if (options.domain < 0) {
         return 4;
     }
-    for (long i = strtol(argv[2], NULL, 10); i > 0; i--) {
-        look(strtoul(argv[3], NULL, 10) * 1000000);
+    while (visits < strtoul(argv[2], NULL, 10) &&
+           look(&options, strtoul(argv[3], NULL, 10) * 1000000)) {
+        visits++;
     }
     printf("{\"visits\": %llu, \"samples\": %llu, \"twice\": %llu, \"missing\": %llu}\n",
            (unsigned long long)visits, (unsigned long long)samples, (unsigned long long)twice,

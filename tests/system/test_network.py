@@ -94,17 +94,17 @@ def test_a_tool_sees_every_sample_and_changes_nothing():
     with folder() as out:
         done, calm = experiment_run(out / "calm", "--duration", "60")
         check_equal(done.returncode, 0, done.stderr)
-        for times, ms in ((40, 50), (1, 3000)):
+        for times, ms in ((40, 50), (1, 2000)):
             domain = new_domain()
             with Processes() as processes:
                 run = processes.start(MUSTER, "run", FOLLOW, "--quiet", "--duration", "60", "--rate", "10",
                                       "--domain", domain, "--out", out / f"seen{times}")
                 done = subprocess.run([program("up_watcher"), str(domain), str(times), str(ms)], check=True,
-                                      capture_output=True, text=True, timeout=60)
+                                      capture_output=True, text=True, timeout=90)
                 seen = json.loads(done.stdout)
                 check_equal(run.wait(60), 0, "the run")
             check_equal((seen["twice"], seen["missing"]), (0, 0), f"{seen}")
-            check(seen["visits"] >= times / 2 and seen["samples"] > 1000 / times, f"{seen}")
+            check(seen["visits"] >= times / 4 and seen["samples"] > 10 * seen["visits"], f"{seen}")
             summary = json.loads((out / f"seen{times}/summary.json").read_text())
             check_equal(summary["hash"], calm["hash"], "the hash")
 
