@@ -228,11 +228,11 @@ static void samples_await(struct node *p, bool impatient)
     uint64_t wanted = broker_samples_wanted(p->broker);
     int64_t most_ns = wait_ns(p, impatient);
     int64_t whole_ns = most_ns < OUTSIDE_PATIENCE_NS ? most_ns : OUTSIDE_PATIENCE_NS;
-    if (wanted > 1) {
-        bus_wait(&p->bus, wanted, whole_ns);
-        most_ns -= whole_ns;
+    if (wanted < 2) {
+        (void)bus_wait(&p->bus, 1, most_ns);
+    } else if (!bus_wait(&p->bus, wanted, whole_ns)) {
+        (void)bus_wait(&p->bus, 1, most_ns - whole_ns);
     }
-    bus_wait(&p->bus, 1, most_ns);
 }
 
 /* What must be on disk before any process is told. */

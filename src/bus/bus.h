@@ -93,6 +93,8 @@ struct bus {
     bool local;                  /* there may be sockets */
     uint64_t local_frames;       /* what has come by them and was not taken: samples, ends */
     uint64_t local_refused;      /* connections that did not come about */
+    uint64_t pairs;              /* of samples that bus_wait has brought, ever */
+    struct local_source *later;  /* the socket that has brought the last sample; NULL: none */
     struct local_door *doors;    /* all readers with sockets */
     struct local_writer *locals; /* all writers with sockets */
     struct dds_ostream *room;    /* where a sample for them is put together */
@@ -257,8 +259,9 @@ void *bus_keep(struct bus_reader *reader, void *spare);
  *
  * @param samples     how many, in all readers together; 0: one more than lie there now
  * @param timeout_ns  at most so long, by the monotonic clock; < 0: 0
+ * @return whether that many lie there
  */
-void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns);
+bool bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns);
 
 /**
  * Gives a file descriptor that is readable when samples have arrived since the last bus_wait.

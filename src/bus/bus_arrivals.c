@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <limits.h>
+#include <poll.h>
 #include <stdio.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
@@ -14,6 +15,9 @@
 /* A reader in which nothing has arrived is looked into all the same from time to time: the end of a
  * writer is no sample, and not every listener hears of it. */
 static const uint64_t LOOK_NS = 20000000;
+
+/* A socket that has brought a sample of so many pairs, one after another, will do so again. */
+enum { REGULAR = 8 };
 
 mu_result bus_arrivals_open(struct bus *bus)
 {
@@ -84,11 +88,15 @@ void bus_arrivals_taken(struct bus_reader *r, uint64_t arrived)
 
 /* --- descriptors ------------------------------------------------------------------------------ */
 
+static struct timespec time_of(uint64_t ns)
+{
+    return (struct timespec){(time_t)(ns / 1000000000), (long)(ns % 1000000000)};
+}
+
 /* By milliseconds, upwards, where the system knows no shorter ones (before Linux 5.11). */
 static int events_wait(int fd, struct epoll_event *events, int most, int64_t timeout_ns)
 {
-    const struct timespec time = {(time_t)(timeout_ns / 1000000000),
-                                  (long)(timeout_ns % 1000000000)};
+    const struct timespec time = time_of((uint64_t)timeout_ns);
     int count = epoll_pwait2(fd, events, most, &time, NULL);
     if (count < 0 && errno == ENOSYS) {
         int64_t ms = (timeout_ns + 999999) / 1000000;
@@ -147,17 +155,36 @@ static uint64_t samples_there(struct bus *bus)
     return there;
 }
 
-void bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
+/* Waits for the later one of two samples, if that comes by one socket in each step: the other one
+ * need wake no thread.  Of more than two, those that are early are better read meanwhile. */
+static void later_await(struct bus *bus, uint64_t most_ns)
+{
+    const struct local_source *later = bus->later;
+    if (later && later->regular >= REGULAR && later->pair < bus->pairs) {
+        struct pollfd fds[] = {{.fd = later->fd, .events = POLLIN},
+                               {.fd = bus->note_fd, .events = POLLIN}};
+        const struct timespec time = time_of(most_ns);
+        (void)ppoll(fds, sizeof fds / sizeof fds[0], &time, NULL);
+    }
+}
+
+bool bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
 {
     uint64_t now_ns = mu_clock_ns(),
              until_ns = now_ns + (timeout_ns > 0 ? (uint64_t)timeout_ns : 0);
     samples = samples > 0 ? samples : samples_there(bus) + 1;
     local_match(bus);
     bool come = samples_want(bus, samples);
+    if (samples == 2 && !come) {
+        later_await(bus, until_ns - now_ns);
+        now_ns = mu_clock_ns();
+    }
     do {
-        bus_arrivals_poll(bus, come ? 0 : (int64_t)(until_ns - now_ns));
+        bus_arrivals_poll(bus, come || now_ns > until_ns ? 0 : (int64_t)(until_ns - now_ns));
         now_ns = mu_clock_ns();
         come = samples_want(bus, samples);
     } while (!come && now_ns < until_ns);
     (void)samples_want(bus, 0);
+    bus->pairs += come && samples == 2;
+    return come;
 }

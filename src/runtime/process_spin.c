@@ -191,12 +191,11 @@ static void samples_await(mu_process *p, int64_t most_ns)
 {
     uint64_t wanted = process_samples_wanted(p);
     int64_t pair_ns = most_ns < PAIR_NS ? most_ns : PAIR_NS;
-    if (wanted == 2) {
-        bus_wait(&p->bus, 2, pair_ns);
-        most_ns -= pair_ns;
-        wanted = 1;
+    if (wanted < 2) {
+        (void)bus_wait(&p->bus, wanted, most_ns);
+    } else if (!bus_wait(&p->bus, 2, pair_ns)) {
+        (void)bus_wait(&p->bus, 1, most_ns - pair_ns);
     }
-    bus_wait(&p->bus, wanted, most_ns);
 }
 
 void process_turn(mu_process *p)

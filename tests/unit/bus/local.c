@@ -28,7 +28,7 @@
 #include <unistd.h>
 
 static const uint64_t PATIENCE_NS = 10000000000u;
-static const int64_t WAIT_NS = 2000000;
+static const int64_t WAIT_NS = 2000000, PAIR_NS = 50000000;
 
 /* What the reader got. */
 struct word {
@@ -48,6 +48,7 @@ struct scene {
     enum bus_topic topic;
     rlim_t files; /* 0: as many as there are */
     bool stands;  /* it stands still at first */
+    bool pairs;   /* it waits for two samples at once, and longer */
 };
 
 static struct bus bus;
@@ -110,7 +111,7 @@ static void side_live(int domain, const struct scene *scene, int orders, int wor
             _exit(0);
         }
         if (order == 'g') {
-            bus_wait(&there, 1, WAIT_NS);
+            bus_wait(&there, scene->pairs ? 2 : 1, scene->pairs ? PAIR_NS : WAIT_NS);
             words_say(&reader, words);
         }
     }
@@ -482,6 +483,43 @@ static void test_a_child_disturbs_nothing(void)
 }
 
 /* A sample of a rule that the wire breaks is dropped, as one of DDS. */
+static void other_write(const struct bus_writer *other, int64_t step)
+{
+    const muster_Delivery d = {.process = words("p1"), .step = step};
+    while (bus_write(other, &d) == MU_BUSY) {
+        bus_wait(&bus, 1, WAIT_NS);
+    }
+}
+
+/* Whichever sample of two comes later, and when its writer leaves: what comes is handed out. */
+static void test_pairs_come_and_their_writers_go(void)
+{
+    const struct scene pairs = {.local = "on", .topic = BUS_DELIVERY, .pairs = true};
+    struct side s = scene_begin(&pairs, 1);
+    struct bus_writer other;
+    CU_ASSERT_EQUAL_FATAL(bus_writer_open(&bus, BUS_DELIVERY, "p1", NULL, &other), MU_OK);
+    while (bus_writer_matches(&other) == 0) {
+        bus_wait(&bus, 1, WAIT_NS);
+    }
+    for (int64_t step = 1; step < 80; step += 2) {
+        struct word one = {0}, two = {0};
+        bool first = step < 40;
+        first ? steps_write(step, step, 0) : other_write(&other, step);
+        first ? other_write(&other, step + 1) : steps_write(step + 1, step + 1, 0);
+        CU_ASSERT_TRUE_FATAL(word_await(&s, &one) && word_await(&s, &two));
+        CU_ASSERT_EQUAL(one.step + two.step, 2 * step + 1);
+    }
+    other_write(&other, 80);
+    expect_steps(&s, 80, 80);
+    bus_writer_close(&other);
+    struct word end = {0};
+    CU_ASSERT_TRUE_FATAL(word_await(&s, &end));
+    CU_ASSERT_EQUAL(end.life, BUS_LOST);
+    steps_write(81, 90, 0);
+    expect_steps(&s, 81, 90);
+    scene_end(&s);
+}
+
 static void test_the_border_is_the_same(void)
 {
     struct side s = scene_begin(&plain, 1);
@@ -519,6 +557,7 @@ int main(void)
         {"too late", test_who_answers_too_late_stays_with_dds},
         {"strangers", test_strangers_harm_nobody},
         {"child", test_a_child_disturbs_nothing},
+        {"pairs", test_pairs_come_and_their_writers_go},
         {"border", test_the_border_is_the_same},
         CU_TEST_INFO_NULL};
     CU_SuiteInfo suites[] = {{"bus/local", begin, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
