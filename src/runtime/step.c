@@ -106,8 +106,9 @@ static void items_hand(mu_process *p, const muster_Delivery *d, uint32_t count, 
 {
     for (uint32_t i = 0; i < count; i++) {
         const muster_Parcel *item = &d->parcels._buffer[i];
-        struct mu_agent *a = agent_find(p, item->box);
-        if (!p->fresh[i] || !a || (item->letter.layer == WIRE_DIRECTIVE) != directives) {
+        bool is_due = p->fresh[i] && (item->letter.layer == WIRE_DIRECTIVE) == directives;
+        struct mu_agent *a = is_due ? agent_find(p, item->box) : NULL;
+        if (!a) {
             continue;
         }
         if (a->state == MU_GONE) {
