@@ -296,9 +296,9 @@ static int network_join(struct node *p, const struct mu_network *network,
                 (int)network->domain);
     }
     bool on_loopback = config_is_loopback(network->interface);
-    bool joined = opened == MU_OK && post_open(p, broker->name, on_loopback) == MU_OK &&
-                  beacon_open(&p->herald, &p->bus, broker) == MU_OK;
-    return joined ? MU_EXIT_DONE : MU_EXIT_DDS;
+    opened = opened == MU_OK ? post_open(p, broker->name, on_loopback) : opened;
+    opened = opened == MU_OK ? beacon_open(&p->herald, &p->bus, broker) : opened;
+    return mu_exit_for(opened);
 }
 
 /* DDS takes and frees buffers for packets as long as the broker lives.  By default the first that

@@ -291,6 +291,14 @@ const char *bus_topic_name(enum bus_topic topic);
 /** Prints the table of topics as Markdown to standard output. */
 void bus_print_topics(void);
 
+/**
+ * Says whether an interface's device is down: the system binds sockets to it all the same.
+ *
+ * @param interface  its IPv4 address; NULL: loopback
+ * @param name       out, IFNAMSIZ bytes: the device's, if it is down
+ */
+bool bus_device_is_down(const char *interface, char *name);
+
 /** @return the UDP port at which a participant index of a domain is found (RTPS 2.2, 9.6.1.1) */
 int bus_port(int domain, int index);
 

@@ -12,6 +12,8 @@
 #include <arpa/inet.h>
 #include <dds/dds.h>
 #include <errno.h>
+#include <ifaddrs.h>
+#include <net/if.h>
 #include <netdb.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -34,10 +36,7 @@ static dds_return_t domain_create(const struct bus_options *options, int index)
     config_write(&xml, options, index);
     MU_ASSERT(!xml.cut);
 
-    struct in_addr address;
-    const char *interface = options->interface ? options->interface : "127.0.0.1";
-    bool is_loopback =
-        inet_pton(AF_INET, interface, &address) == 1 && (ntohl(address.s_addr) >> 24) == 127;
+    bool is_loopback = config_is_loopback(options->interface);
     static struct loopback before;
     loopback_note(&before);
     dds_entity_t domain = dds_create_domain((dds_domainid_t)options->domain, buffer);
@@ -84,6 +83,35 @@ static bool is_taken(const struct bus_options *options, int index)
     return bind_try(interface, bus_port(options->domain, index)) == EADDRINUSE;
 }
 
+/* lo has no address before it is up. */
+static bool device_has(const struct ifaddrs *device, const char *address)
+{
+    struct in_addr wanted;
+    const struct sockaddr_in *its = (const void *)device->ifa_addr;
+    if (config_is_loopback(address)) {
+        return device->ifa_flags & IFF_LOOPBACK;
+    }
+    return its && its->sin_family == AF_INET && inet_pton(AF_INET, address, &wanted) == 1 &&
+           its->sin_addr.s_addr == wanted.s_addr;
+}
+
+bool bus_device_is_down(const char *interface, char *name)
+{
+    struct ifaddrs *devices = NULL;
+    bool looked = getifaddrs(&devices) == 0, is_down = false;
+    for (const struct ifaddrs *d = looked ? devices : NULL; d; d = d->ifa_next) {
+        if (device_has(d, interface)) {
+            is_down = !(d->ifa_flags & IFF_UP);
+            snprintf(name, IFNAMSIZ, "%s", d->ifa_name);
+            break;
+        }
+    }
+    if (looked) {
+        freeifaddrs(devices);
+    }
+    return is_down;
+}
+
 /* Processes that share their indices begin to look at different ones: of a hundred that start
  * together, the last one would try a hundred, and two would often want the same.
  * @return as config_index */
@@ -124,6 +152,11 @@ static mu_result domain_open(struct bus *bus, const struct bus_options *options)
         return MU_FAULT_USAGE;
     }
     if (code == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY) {
+        return MU_FAULT_DDS;
+    }
+    char device[IFNAMSIZ];
+    if (bus_device_is_down(options->interface, device)) {
+        fprintf(stderr, "the network device %s is down: sudo ip link set %s up\n", device, device);
         return MU_FAULT_DDS;
     }
     bool is_hub = options->place == BUS_BROKER || options->place == BUS_SIMULATOR;

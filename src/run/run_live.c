@@ -577,8 +577,12 @@ static int record_await(struct run *r)
 static int live_through(struct run *r)
 {
     r->began_wall_ns = mu_clock_ns();
-    if (run_start(r) != MU_OK || network_join(r) != MU_OK) {
+    if (run_start(r) != MU_OK) {
         return MU_EXIT_DDS;
+    }
+    mu_result joined = network_join(r);
+    if (joined != MU_OK) {
+        return mu_exit_for(joined);
     }
     int code = gather(r);
     code = code < 0 ? watch(r) : code;

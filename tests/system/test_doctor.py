@@ -3,8 +3,9 @@
 import json
 import os
 import resource
+import subprocess
 
-from support import (FOLLOW, MUSTER, Processes, check, check_equal, folder, muster, new_domain, wait_for)
+from support import (FOLLOW, MUSTER, Processes, Skip, check, check_equal, folder, muster, new_domain, wait_for)
 
 CHECKS = ["domain", "interface", "loopback", "domains", "participants", "left processes", "configuration",
           "peers", "sockets", "open files", "processes", "receive buffer", "memory", "folder", "programs", "rules",
@@ -50,9 +51,28 @@ def test_what_is_wrong_has_a_code_and_a_cure():
     check_equal(few["open files"]["cure"], "ulimit -n 1024", "open files")
     found = findings(code=3, env={**os.environ, "MUSTER_RULES": "/nowhere"})
     check_equal((found["rules"]["state"], found["rules"]["from"]), ("wrong", "MUSTER_RULES"), "rules")
+    found = findings("--local", "maybe", code=2)
+    check("'maybe'" in found["sockets"]["found"], found["sockets"])
     text = muster("doctor", "--interface", "10.9.9.9")
     check_equal(text.returncode, 11, text.stdout)
     check("wrong    interface" in text.stdout and "cure: ip -4 -brief address" in text.stdout, text.stdout)
+
+
+def test_a_device_that_is_down_is_named():
+    alone = ["unshare", "--map-root-user", "--net"]
+    if subprocess.run([*alone, "true"], capture_output=True).returncode != 0:
+        raise Skip("no network namespaces here, as in a container without the right to make them")
+
+    def there(*words):
+        return subprocess.run([*alone, MUSTER, *words], capture_output=True, text=True, timeout=60)
+
+    for words in (("ps", "--domain", 0), ("broker", "main", "--domain", 0, "--store", "none")):
+        done = there(*map(str, words))
+        check_equal(done.returncode, 11, f"{words}: {done.stderr}")
+        check("the network device lo is down: sudo ip link set lo up" in done.stderr, done.stderr)
+    found = [json.loads(line) for line in there("doctor", "--json").stdout.splitlines()]
+    row = next(f for f in found if f["check"] == "interface")
+    check_equal((row["state"], row["cure"]), ("wrong", "sudo ip link set lo up"), row)
 
 
 def test_runs_that_live_and_processes_that_are_left():

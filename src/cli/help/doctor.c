@@ -143,7 +143,15 @@ static void sockets_check(struct doctor_finding *f)
     if (sockets) {
         fclose(sockets);
     }
-    bool off = set.network.local && strcmp(set.network.local, "off") == 0;
+    const char *local = set.network.local ? set.network.local : "on";
+    bool off = strcmp(local, "off") == 0;
+    if (!off && strcmp(local, "on") != 0) {
+        f->state = DOCTOR_WRONG;
+        f->code = MU_EXIT_USAGE;
+        snprintf(f->found, sizeof f->found, "'%.100s' says neither on nor off", local);
+        snprintf(f->cure, sizeof f->cure, "--local on, or MUSTER_LOCAL=on; or off");
+        return;
+    }
     snprintf(f->found, sizeof f->found, "%s; %u connections between processes of this host",
              off ? "off: all goes by DDS" : "on, beside DDS", connected);
 }

@@ -64,9 +64,14 @@ static void interface_check(const char *interface, const char *from, struct doct
     f->code = MU_EXIT_NETWORK;
     struct sockaddr_in address = {.sin_family = AF_INET};
     const char *shown = interface ? interface : "127.0.0.1";
+    char device[IFNAMSIZ];
     bool valid = inet_pton(AF_INET, shown, &address.sin_addr) == 1;
     int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    if (valid && bind(fd, (const struct sockaddr *)&address, sizeof address) == 0) {
+    if (bus_device_is_down(interface, device)) {
+        f->state = DOCTOR_WRONG;
+        snprintf(f->found, sizeof f->found, "%.100s: its device %s is down", shown, device);
+        snprintf(f->cure, sizeof f->cure, "sudo ip link set %s up", device);
+    } else if (valid && bind(fd, (const struct sockaddr *)&address, sizeof address) == 0) {
         snprintf(f->found, sizeof f->found, "%s%s", shown, interface ? "" : ", loopback alone");
     } else {
         f->state = DOCTOR_WRONG;
