@@ -1,10 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "runtime/join.h"
 
+#include "bus/bus.h"
+
+#include <stdlib.h>
+
 enum { JOIN_SILENT_NS = 1000000000 };
 
 struct mu_process_options join_options(const struct mu_network *network, const char *name)
 {
+    if (network->local) {
+        setenv(LOCAL_ENVIRONMENT, network->local,
+               1); /* the library's options have no word for it */
+    }
     return (struct mu_process_options){.domain =
                                            network->domain ? (int)network->domain : MU_DOMAIN_ZERO,
                                        .interface = network->interface,

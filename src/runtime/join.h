@@ -9,7 +9,11 @@
 #include "core/network.h"
 #include "muster/agent.h"
 
-/** @return what the network says of a process; all else is zero */
+/**
+ * Puts what the network says of sockets into the environment, where the library looks.
+ *
+ * @return what the network says of a process; all else is zero
+ */
 struct mu_process_options join_options(const struct mu_network *network, const char *name);
 
 /**

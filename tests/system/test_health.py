@@ -4,7 +4,7 @@ import json
 import os
 import subprocess
 
-from support import (MUSTER, Processes, broker_start, check, check_equal, folder, members, muster,
+from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, folder, members, muster,
                      new_domain, observer_environment, program, tool_python, wait_for)
 
 PARTS = ("registrar", "postmaster", "courier", "groups", "services", "trust", "journal", "liaison")
@@ -51,6 +51,22 @@ def test_parts_stand_in_the_white_pages():
               done.stdout)
         check_equal(counters(domain, "broker.trust")["refused"], 0, "directives refused")
         check("courier.deliveries" in counters(domain, "broker"), "all parts at once")
+
+
+def test_an_option_keeps_one_process_off_the_sockets():
+    domain = new_domain()
+    with Processes() as processes:
+        broker_start(processes, domain, "--local", "on")
+        for name, local in (("red", "on"), ("blue", "off")):
+            processes.start(MUSTER, "agent", name, "--rules", ROOT / "rules/clerk.clp", "--local", local, "--domain",
+                            domain)
+        check_equal(muster("wait", "red", "blue", "--local", "on", "--domain", domain).returncode, 0, "both")
+
+        def ways():
+            done = muster("lookup", "broker.registrar", "--json", "--local", "on", "--domain", domain)
+            found = json.loads(done.stdout)["counters"]
+            return found["by-socket"] > 0 and found["by-dds"] == 2
+        wait_for(ways, 10, "both readers of blue alone have their mail by DDS")
 
 
 def test_counters_are_told_to_late_comers_and_grow_with_the_mail():

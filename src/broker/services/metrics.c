@@ -53,9 +53,10 @@ static const struct metric counters[] = {
     {PART_NAMES, "capsules-restored", "of them, given to a host because no process had the agent",
      AT(snapshots.restored)},
     {PART_NAMES, "changes", "changes of the white pages", AT(registry.changes.version)},
-    {PART_NAMES, "by-socket", "readers of its deliveries that have them by a socket now",
+    {PART_NAMES, "by-socket",
+     "readers of its deliveries, two a process, that have them by a socket",
      AT(counters.ways.sockets)},
-    {PART_NAMES, "by-dds", "of them, that have them by DDS", AT(counters.ways.dds)},
+    {PART_NAMES, "by-dds", "of these readers, those that have them by DDS", AT(counters.ways.dds)},
     {PART_NAMES, "sockets-refused", "connections that did not come about, ever",
      AT(counters.ways.refused)},
 
