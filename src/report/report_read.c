@@ -102,7 +102,9 @@ mu_result report_reader_open(struct report_reader *r, const char *folder,
     rewind(r->file);
     placements_open(r, folder);
     result = result == MU_OK ? read_line(r, line, fault) : result;
-    if (result == MU_DONE || (result == MU_OK && strcmp(line, read_header) != 0)) {
+    if (result == MU_DONE) {
+        result = mu_fault_at(fault, r->path, 1, 1, "it is empty: no step of the run was written");
+    } else if (result == MU_OK && strcmp(line, read_header) != 0) {
         result = mu_fault_at(fault, r->path, 1, 1, "expected the line '%s'", read_header);
     }
     if (result != MU_OK) {

@@ -198,7 +198,7 @@ static void cause_tell(struct chain *c, int32_t line, int deep)
     case 'S': percept_tell(c, line, deep); break;
     case 'L': leaf_tell(c, line, deep, "a line: ", WHY_LINE); break;
     case 'E': leaf_tell(c, line, deep, "event ", WHY_EVENT); break;
-    case '0': leaf_tell(c, line, deep, "from the start", WHY_RULES); break;
+    case '0': leaf_tell(c, line, deep, "there when the mind began", WHY_RULES); break;
     case 'M': mail_tell(c, line, deep); break;
     case 'R': rule_tell(c, line, deep); break;
     default: c->ends |= WHY_UNKNOWN; break;
