@@ -276,7 +276,7 @@ struct mail *mailbox_pop(struct mailbox *m, uint32_t agent);
 void mailbox_watch(struct mailbox *m, uint32_t agent, uint64_t now_ns);
 void mailbox_unwatch(struct mailbox *m, uint32_t agent);
 
-/* --- mailbox_room.c -------------------------------------------------------------------------- */
+/* --- room in a box, in quota.c ---------------------------------------------------------------- */
 
 /*
  * Whether a box has room for a mail, and what has to go if not.
@@ -351,8 +351,5 @@ void receipts_drop(struct receipts *r, uint32_t agent, uint32_t count);
 
 /** The oldest count receipts of an agent are out: they are kept until it is known to have them. */
 void receipts_tell(struct receipts *r, uint32_t agent, uint32_t count);
-
-/** The agent has what it was told: that is removed. */
-void receipts_heard(struct receipts *r, uint32_t agent);
 
 #endif

@@ -45,6 +45,12 @@ static uint32_t slab_open(struct pool *s, uint32_t size_class)
     return index;
 }
 
+static void *record_at(const struct pool *s, uint32_t slab, uint32_t record)
+{
+    return s->memory + (size_t)slab * POOL_SLAB_BYTES +
+           (size_t)record * pool_class_bytes[s->slabs[slab].size_class];
+}
+
 static void *record_take(struct pool *s, uint32_t size_class)
 {
     uint32_t index = slab_open(s, size_class);
@@ -52,12 +58,11 @@ static void *record_take(struct pool *s, uint32_t size_class)
         return NULL;
     }
     struct pool_slab *slab = &s->slabs[index];
-    unsigned char *record = slab->free;
+    void *record = slab->free;
     if (record) {
         memcpy(&slab->free, record, sizeof slab->free);
     } else {
-        record = s->memory + (size_t)index * POOL_SLAB_BYTES +
-                 (size_t)slab->carved++ * pool_class_bytes[size_class];
+        record = record_at(s, index, slab->carved++);
     }
     slab->live++;
     if (!slab_has_room(slab)) {
@@ -137,6 +142,24 @@ void pool_free(struct pool *s, struct mail *m)
     record_give(s, m);
 }
 
+struct mail *pool_each(const struct pool *s, uint32_t *place)
+{
+    enum { RECORDS_MAX = POOL_SLAB_BYTES / 320 }; /* of the smallest class, in one slab */
+    while (*place < POOL_SLABS * RECORDS_MAX) {
+        uint32_t slab = *place / RECORDS_MAX, record = *place % RECORDS_MAX;
+        if (s->slabs[slab].live == 0 || record >= s->slabs[slab].carved) {
+            *place = (slab + 1) * RECORDS_MAX;
+            continue;
+        }
+        struct mail *m = record_at(s, slab, record);
+        ++*place;
+        if (m->uses > 0) {
+            return m;
+        }
+    }
+    return NULL;
+}
+
 void pool_list_append(struct mail_list *list, struct mail *m)
 {
     m->next = NULL;
@@ -162,18 +185,17 @@ struct mail *pool_list_pop(struct mail_list *list)
 
 /* --- across a restart ------------------------------------------------------------------------- */
 
-/* What can be said, or be certain, of a mail that is still in a box; FATE_EVENTS: its sender was
- * told that. */
+/* What can be said, or be certain, of a mail that is still in a box; FATES: its sender was told. */
 static const struct {
     const char *word;
-    enum mail_fate_event fate;
+    enum mail_fate fate;
 } standings[] = {
-    [muster_OUTCOME_STORED] = {"stored", FATE_PASSES},
-    [muster_OUTCOME_EXPIRED] = {"expired", FATE_EXPIRES},
-    [muster_OUTCOME_DROPPED] = {"dropped", FATE_DROPS},
-    [muster_OUTCOME_BOX_FULL] = {"box-full", FATE_EVENTS},
-    [muster_OUTCOME_UNKNOWN_NAME] = {"unknown-name", FATE_EVENTS},
-    [muster_OUTCOME_REFUSED] = {"refused", FATE_EVENTS},
+    [muster_OUTCOME_STORED] = {"stored", FATE_PASSED_ON},
+    [muster_OUTCOME_EXPIRED] = {"expired", FATE_EXPIRED},
+    [muster_OUTCOME_DROPPED] = {"dropped", FATE_DROPPED},
+    [muster_OUTCOME_BOX_FULL] = {"box-full", FATES},
+    [muster_OUTCOME_UNKNOWN_NAME] = {"unknown-name", FATES},
+    [muster_OUTCOME_REFUSED] = {"refused", FATES},
 };
 
 enum { STANDINGS = sizeof standings / sizeof standings[0] };
@@ -194,10 +216,10 @@ bool pool_mail_go_on(struct mail *m, const char *word)
         return false;
     }
     m->answer = (uint8_t)is;
-    if (standings[is].fate == FATE_EVENTS) {
-        (void)mail_told_on(m, TOLD_ENDS);
+    if (standings[is].fate == FATES) {
+        (void)mail_tell(m, TOLD_LAST);
     } else {
-        mail_fate_on(m, standings[is].fate);
+        mail_meets(m, standings[is].fate);
     }
     return true;
 }

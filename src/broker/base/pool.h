@@ -104,13 +104,12 @@ enum {
 /* The two schedules that a mail may stand in; see timers.h. */
 enum timers_kind { TIMERS_DUE, TIMERS_EXPIRY, TIMERS_KINDS };
 
-/* What the sender of a mail was told of it: nothing, that it waits, or the last word. */
+/* What the sender of a mail was told of it: nothing, that it waits, or the last word.  It only
+ * rises. */
 enum mail_told { TOLD_NOTHING, TOLD_STORED, TOLD_LAST, TOLD_STATES };
-enum mail_told_event { TOLD_STORES, TOLD_ENDS, TOLD_EVENTS };
 
-/* The worst that became of a mail so far, over all its receivers. */
+/* The worst that became of a mail so far, over all its receivers: it only rises, too. */
 enum mail_fate { FATE_TAKEN, FATE_PASSED_ON, FATE_EXPIRED, FATE_DROPPED, FATES };
-enum mail_fate_event { FATE_PASSES, FATE_EXPIRES, FATE_DROPS, FATE_EVENTS };
 
 /* Whether a mail has a row on disk, and whether the next commit is to write or change that. */
 enum mail_durable {
@@ -203,6 +202,14 @@ static inline void pool_keep(struct mail *m)
 
 void pool_free(struct pool *s, struct mail *m);
 
+/**
+ * Goes through all mails that live.
+ *
+ * @param place  0 at first; moved on
+ * @return the next one; NULL: there are no more
+ */
+struct mail *pool_each(const struct pool *s, uint32_t *place);
+
 /** Ends one use; the last one frees the mail. */
 static inline void pool_release(struct pool *s, struct mail *m)
 {
@@ -235,12 +242,23 @@ void pool_list_append(struct mail_list *list, struct mail *m);
 /** @return the first mail, which is taken out; NULL: there is none */
 struct mail *pool_list_pop(struct mail_list *list);
 
-/* --- mail_states.c --------------------------------------------------------------------------- */
+/** Notes what the sender of a mail is told.  @return whether it is news */
+static inline bool mail_tell(struct mail *m, enum mail_told told)
+{
+    bool is_news = told > m->told;
+    if (is_news) {
+        m->told = told;
+    }
+    return is_news;
+}
 
-/** @return whether the event is news to the sender of the mail */
-bool mail_told_on(struct mail *m, enum mail_told_event event);
-
-void mail_fate_on(struct mail *m, enum mail_fate_event event);
+/** Notes what became of a mail at one of its receivers. */
+static inline void mail_meets(struct mail *m, enum mail_fate fate)
+{
+    if (fate > m->fate) {
+        m->fate = fate;
+    }
+}
 
 /** @return the outcome that the fate of a mail stands for, if all its receivers are through */
 static inline muster_Outcome mail_outcome(const struct mail *m)
@@ -251,9 +269,6 @@ static inline muster_Outcome mail_outcome(const struct mail *m)
                                                    [FATE_DROPPED] = muster_OUTCOME_DROPPED};
     return outcomes[m->fate];
 }
-
-/** @return whether the state has changed */
-bool mail_durable_on(struct mail *m, enum mail_durable_event event);
 
 /** @return whether the mail has a row on disk */
 static inline bool mail_is_written(const struct mail *m)

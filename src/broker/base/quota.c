@@ -26,3 +26,125 @@ enum quota_answer quota_ask(const struct quota_use *own, const struct quota_use 
     }
     return worst;
 }
+
+/* --- a box ---------------------------------------------------------------------------------------
+ */
+
+/* What is within a sender's share of a large box, however full it is.  A small one holds as many
+ * mails of a lone sender as it says; of its bytes, a part is within anybody's share. */
+static const struct quota_use floor_most = {.mails = 64, .bytes = 64 * 1024};
+enum { FLOOR_BYTES_PART = 8 };
+
+/* A box and one sender, as the mail finds them. */
+struct asked {
+    struct quota_use own, all, want, most, floor;
+    const struct post_queue *own_waiting; /* MAILBOX_SHARE_QUEUES of them, or NULL */
+    const struct post_queue *all_waiting; /* likewise */
+    uint32_t queues; /* the mail may drop others from so many, beginning with the lowest */
+};
+
+static uint32_t least(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+static struct asked ask_begin(struct mailbox *m, uint32_t agent, const struct mail *mail)
+{
+    const struct box *box = mailbox_box(m, agent);
+    struct box_limits limits = mailbox_limits(m, box);
+    struct asked ask = {
+        .all = box->use,
+        .want = {.mails = 1, .bytes = mail->bytes},
+        .most = {.mails = limits.mails, .bytes = limits.bytes},
+        .floor = {.mails = least(floor_most.mails, limits.mails),
+                  .bytes = least(floor_most.bytes, limits.bytes / FLOOR_BYTES_PART)},
+        .all_waiting = &box->lists[POST_LOW],
+    };
+    uint32_t pair = mailbox_share_find(&m->shares, agent, mail->payer);
+    if (pair != MU_NONE) {
+        ask.own = m->shares.at[pair].use;
+        ask.own_waiting = m->shares.at[pair].waiting;
+    }
+    switch (limits.policy) {
+    case muster_BOX_REFUSE_NEW: break;
+    case muster_BOX_DROP_OLDEST: ask.queues = MAILBOX_SHARE_QUEUES; break;
+    case muster_BOX_DROP_LOWEST: ask.queues = (uint32_t)(mailbox_queue(mail) - POST_LOW) + 1; break;
+    }
+    return ask;
+}
+
+/* What these queues hold. */
+static struct quota_use waiting_sum(const struct post_queue *waiting, uint32_t queues)
+{
+    struct quota_use sum = {0};
+    for (uint32_t i = 0; waiting && i < queues; i++) {
+        sum.mails += waiting[i].posts.count;
+        sum.bytes += waiting[i].bytes;
+    }
+    return sum;
+}
+
+/* Whether the mail would fit if all of these went: nothing is dropped in vain. */
+static bool drop_helps(const struct asked *ask, const struct post_queue *waiting, bool own)
+{
+    struct quota_use gone = waiting_sum(waiting, ask->queues);
+    struct asked then = *ask;
+    if (gone.mails == 0) {
+        return false;
+    }
+    quota_subtract(&then.all, &gone);
+    if (own) {
+        quota_subtract(&then.own, &gone);
+    } else { /* among the others' mail may be the sender's own */
+        struct quota_use mine = waiting_sum(ask->own_waiting, ask->queues);
+        quota_subtract(&then.own, &mine);
+    }
+    return quota_ask(&then.own, &then.all, &then.want, &then.most, &then.floor) == QUOTA_FITS;
+}
+
+/* @return the first of the lowest queue, or, of all queues, the one that was sent first */
+static uint32_t victim_of(const struct mailbox *m, const struct post_queue *waiting,
+                          uint32_t queues, bool lowest)
+{
+    uint32_t victim = MU_NONE;
+    for (uint32_t i = 0; i < queues; i++) {
+        uint32_t head = mu_list_first(&waiting[i].posts);
+        if (head == MU_NONE) {
+            continue;
+        }
+        if (victim == MU_NONE || m->posts[head].mail->order < m->posts[victim].mail->order) {
+            victim = head;
+        }
+        if (lowest) {
+            break;
+        }
+    }
+    return victim;
+}
+
+/* Directives have a reserve, and no share. */
+static enum mailbox_room ask_urgent(const struct asked *ask)
+{
+    return ask->all.mails < ask->most.mails + MAILBOX_RESERVE ? MAILBOX_ROOM_FITS
+                                                              : MAILBOX_ROOM_FULL;
+}
+
+enum mailbox_room mailbox_room_ask(struct mailbox *m, uint32_t agent, const struct mail *mail,
+                                   uint32_t *victim)
+{
+    struct asked ask = ask_begin(m, agent, mail);
+    if (mail->letter.layer == 0) {
+        return ask_urgent(&ask);
+    }
+    enum quota_answer answer = quota_ask(&ask.own, &ask.all, &ask.want, &ask.most, &ask.floor);
+    if (answer == QUOTA_FITS) {
+        return MAILBOX_ROOM_FITS;
+    }
+    const struct post_queue *from = answer == QUOTA_OVER ? ask.own_waiting : ask.all_waiting;
+    if (drop_helps(&ask, from, answer == QUOTA_OVER)) {
+        bool lowest = mailbox_limits(m, mailbox_box(m, agent)).policy == muster_BOX_DROP_LOWEST;
+        *victim = victim_of(m, from, ask.queues, lowest);
+        return MAILBOX_ROOM_DROP;
+    }
+    return answer == QUOTA_OVER ? MAILBOX_ROOM_OVER_SHARE : MAILBOX_ROOM_FULL;
+}

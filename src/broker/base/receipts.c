@@ -56,8 +56,3 @@ void receipts_tell(struct receipts *r, uint32_t agent, uint32_t count)
     MU_ASSERT(count <= receipts_count(r, agent));
     r->told[agent] = count;
 }
-
-void receipts_heard(struct receipts *r, uint32_t agent)
-{
-    receipts_drop(r, agent, r->told[agent]);
-}

@@ -152,24 +152,6 @@ static uint32_t agent_at(const struct broker *b, uint32_t place, const char *nam
     return there ? agent : MU_NONE;
 }
 
-static void mail_take(struct broker *b, uint32_t sender, const muster_Mail *letter,
-                      enum steps_effect effect)
-{
-    struct mail *m = admit_mail(b, sender, letter);
-    if (!m) {
-        return;
-    }
-    if (effect == STEPS_REPLAY && deliver_is_held(b, m)) {
-        step_keep_replay(b, m);
-        return;
-    }
-    if (effect != STEPS_INSIDE && effect != STEPS_OUTSIDE) {
-        route_from_outside(b, m);
-    } else if (!steps_keep(b, m, effect == STEPS_OUTSIDE)) {
-        outcome_turn_away(b, m);
-    }
-}
-
 /* What was sent when this broker was not there, or was not heard, is lost, and what follows may
  * arrive before it has been sent again: if that was taken, the lost ones would pass for had.
  * @return whether no mail is missing between those that have come, or were answered for, and this
@@ -177,11 +159,11 @@ static void mail_take(struct broker *b, uint32_t sender, const muster_Mail *lett
 static bool mail_is_next(struct broker *b, uint32_t sender, uint64_t first_seq, uint64_t seq)
 {
     struct agent *a = &b->registry.agents[sender];
-    if (first_seq > 0 && seq > first_seq && seq - 1 > a->came_seq) {
+    if (first_seq > 0 && seq > first_seq && seq - 1 > a->seq.came) {
         b->counters.gaps++;
         return false;
     }
-    a->came_seq = seq > a->came_seq ? seq : a->came_seq;
+    a->seq.came = seq > a->seq.came ? seq : a->seq.came;
     return true;
 }
 
@@ -215,7 +197,7 @@ static void act_take(struct broker *b, uint32_t place, const muster_Act *act,
     for (uint32_t i = 0; i < act->mails._length; i++) {
         const muster_Mail *letter = &act->mails._buffer[i];
         if (mail_is_next(b, agent, act->first_seq, letter->seq)) {
-            mail_take(b, agent, letter, effect);
+            route_letter(b, agent, letter, effect);
         }
     }
 }

@@ -128,9 +128,9 @@ static bool agent_bury(struct broker *b, const struct journal_entry *e)
     struct grave *grave = graveyard_find(g, e->name);
     grave = grave ? grave : graveyard_add(g, e->name);
     grave->saved_kind = e->agent_kind;
-    grave->durable_seq = e->durable_seq;
-    grave->failed_seq = e->failed_seq;
-    grave->earlier_seq = grave->reserved_seq = e->reserved_seq;
+    grave->seq.durable = e->durable_seq;
+    grave->seq.failed = e->failed_seq;
+    grave->seq.earlier = grave->seq.reserved = e->reserved_seq;
     return true;
 }
 
@@ -153,9 +153,9 @@ static bool restore_agent(struct broker *b, const struct journal_entry *e)
     }
     struct agent *a = &b->registry.agents[agent];
     a->saved_kind = e->agent_kind;
-    a->durable_seq = e->durable_seq;
-    a->failed_seq = e->failed_seq;
-    a->earlier_seq = a->reserved_seq = e->reserved_seq;
+    a->seq.durable = e->durable_seq;
+    a->seq.failed = e->failed_seq;
+    a->seq.earlier = a->seq.reserved = e->reserved_seq;
     agent_return(b, agent);
     return true;
 }
@@ -243,8 +243,8 @@ static bool restore_mail(struct broker *b, const struct journal_entry *e)
     }
     journal_enter(j, m);
     struct agent *a = &b->registry.agents[sender];
-    if (letter.hops == 0 && letter.seq > a->durable_seq) {
-        a->durable_seq = letter.seq;
+    if (letter.hops == 0 && letter.seq > a->seq.durable) {
+        a->seq.durable = letter.seq;
     }
     return true;
 }

@@ -34,7 +34,7 @@ static bool step_is_complete(const struct steps *l)
 static void residents_have_heard(struct broker *b, uint32_t place)
 {
     PROCESSES_EACH_AGENT (b, agent, place) {
-        receipts_heard(&b->receipts, agent);
+        receipts_drop(&b->receipts, agent, b->receipts.told[agent]);
     }
 }
 
@@ -92,12 +92,12 @@ static void turns_drop(struct broker *b, uint32_t place)
         struct turn *turn = &b->steps.turns[agent];
         turn->has_ack = turn->has_state = false;
         struct mail *m = pool_list_pop(&turn->mails);
-        if (m && m->letter.seq <= b->registry.agents[agent].seen_seq) {
-            b->registry.agents[agent].seen_seq = m->letter.seq - 1; /* it was never said */
+        if (m && m->letter.seq <= b->registry.agents[agent].seq.seen) {
+            b->registry.agents[agent].seq.seen = m->letter.seq - 1; /* it was never said */
         }
         for (; m; m = pool_list_pop(&turn->mails)) {
             if (b->steps.held) {
-                (void)mail_told_on(m, TOLD_ENDS);
+                (void)mail_tell(m, TOLD_LAST);
             }
             outcome_drop(b, m);
         }

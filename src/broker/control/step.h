@@ -12,10 +12,6 @@
 /** All of a process's Up has been collected; the step may end with it. */
 void step_answered(struct broker *b, uint32_t place);
 
-/** Keeps an admitted mail of a recording until the step that ends when it is due; there it is one
- * from outside. */
-void step_keep_replay(struct broker *b, struct mail *m);
-
 /** Those of a run that is over are dropped. */
 void step_drop_replays(struct broker *b);
 

@@ -76,18 +76,6 @@ static void outside_apply(struct broker *b)
     }
 }
 
-void step_keep_replay(struct broker *b, struct mail *m)
-{
-    if (b->replays.count == QUOTA_MAILS_MAX) {
-        outcome_turn_away(b, m);
-        return;
-    }
-    m->at_ns[TIMERS_DUE] = (uint64_t)m->letter.due_ns;
-    m->order = ++b->orders;
-    timers_add(&b->replays, m);
-    outcome_stored(b, m);
-}
-
 void step_drop_replays(struct broker *b)
 {
     for (struct mail *m; (m = timers_first(&b->replays));) {

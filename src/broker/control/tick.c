@@ -60,7 +60,7 @@ static uint64_t mail_deadline_ns(const struct broker *b)
 {
     const struct mail *expiry = timers_first(&b->expiry);
     const uint64_t times_ns[] = {expiry ? expiry->at_ns[TIMERS_EXPIRY] : UINT64_MAX,
-                                 view_deadline_mail_ns(b), resolve_deadline_mail_ns(b)};
+                                 b->pages.services.soonest_ns, resolve_deadline_mail_ns(b)};
     uint64_t first_ns = earliest_ns(times_ns, sizeof times_ns / sizeof times_ns[0]);
     return first_ns != UINT64_MAX ? clock_now_of_mail_ns(&b->clock, first_ns) : UINT64_MAX;
 }

@@ -199,22 +199,13 @@ static void delivery_begin(struct broker *b, const struct process *at, muster_De
                            .step = muster_STEP_NOW,
                            .roll_call = at->roll_call_due,
                            .seat = at->seat,
-                           .serial = at->serial + 1};
+                           .serial = at->serial + 1,
+                           .parcels = {DISPATCH_ITEMS, 0, c->parcels, false},
+                           .receipts = {DISPATCH_RECEIPTS, 0, c->receipts, false},
+                           .verdicts = {DISPATCH_VERDICTS, 0, c->verdicts, false},
+                           .members = {DISPATCH_MEMBERS, 0, c->members, false},
+                           .outside = {STEPS_OUTSIDE_MAX, 0, c->outside, false}};
     d->process = sample_text(at->name);
-    d->parcels._buffer = c->parcels;
-    d->receipts._buffer = c->receipts;
-    d->verdicts._buffer = c->verdicts;
-    d->members._buffer = c->members;
-    d->outside._buffer = c->outside;
-}
-
-static void delivery_finish(muster_Delivery *d)
-{
-    d->parcels._maximum = d->parcels._length;
-    d->receipts._maximum = d->receipts._length;
-    d->verdicts._maximum = d->verdicts._length;
-    d->members._maximum = d->members._length;
-    d->outside._maximum = d->outside._length;
 }
 
 static int part_compare(const void *x, const void *y, const void *registry)
@@ -280,9 +271,10 @@ bool compose_fill(struct broker *b, uint32_t place, muster_Delivery *d)
     if (is_paced(b)) { /* in which order they changed depends on the wall clock */
         mu_sort(c->members, d->members._length, sizeof c->members[0], member_compare, NULL);
     }
-    view_fill(b, at, d);
+    if (view_open(&b->pages, at)) {
+        view_fill(b, at, d);
+    }
     outside_fill(b, d);
-    delivery_finish(d);
     return is_paced(b) || d->parcels._length || d->receipts._length || d->verdicts._length ||
            d->members._length || d->memberships._length || d->offers._length || d->roll_call;
 }

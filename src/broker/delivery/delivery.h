@@ -166,7 +166,8 @@ enum {
     DISPATCH_AGENTS = 1024,          /* in one Delivery; the others are in the next one */
     DISPATCH_RECEIPTS = 8192,
     DISPATCH_ITEMS = 64 * 1024, /* as many as a process takes */
-    DISPATCH_MEMBERS = 2048,    /* changes of the white pages */
+    DISPATCH_VERDICTS = DISPATCH_AGENTS + PROCESSES_REFUSALS,
+    DISPATCH_MEMBERS = 2048, /* changes of the white pages */
     DISPATCH_INTERVAL_MAX_MS = 60000,
     DISPATCH_RETRY_NS = 1000000, /* after the network has refused */
 };
@@ -214,7 +215,7 @@ struct dispatch {
     uint32_t parts_count;
     muster_Parcel *parcels;
     muster_Receipt *receipts;
-    muster_Verdict verdicts[DISPATCH_AGENTS + PROCESSES_REFUSALS];
+    muster_Verdict verdicts[DISPATCH_VERDICTS];
     muster_Member members[DISPATCH_MEMBERS];
     muster_Mail outside[STEPS_OUTSIDE_MAX];
 };

@@ -100,24 +100,13 @@ void dispatch_set_interval(struct broker *b, uint64_t interval_ns)
 
 /* --- putting together ------------------------------------------------------------------------- */
 
-static void parts_return_passed_by(struct broker *b)
-{
-    struct dispatch *c = &b->dispatch;
-    for (uint32_t i = 0; i < c->parts_count; i++) {
-        if (c->parts[i].passed_by) {
-            processes_wake_agent(&b->registry, &b->processes, c->parts[i].agent);
-        }
-    }
-}
-
-/* Agents that had no room are first in the queue of the next Delivery; one that had something may
- * have more. */
+/* Agents that had no room are first in the queue of the next Delivery; so are all if the network
+ * has not taken this one. */
 static void parts_return(struct broker *b, bool taken)
 {
     struct dispatch *c = &b->dispatch;
-    parts_return_passed_by(b);
     for (uint32_t i = 0; i < c->parts_count; i++) {
-        if (!taken || c->parts[i].parcels > 0) {
+        if (!taken || c->parts[i].passed_by) {
             processes_wake_agent(&b->registry, &b->processes, c->parts[i].agent);
         }
     }
@@ -155,11 +144,11 @@ bool broker_next(struct broker *b, const char **process, muster_Delivery *d)
             *process = at->name;
             return true;
         }
-        parts_return_passed_by(b); /* behind urgent ones, or until the dispatcher wakes */
-        if (b->dispatch.parts_count == DISPATCH_AGENTS) {
+        bool full = b->dispatch.parts_count == DISPATCH_AGENTS;
+        parts_return(b, true); /* behind urgent ones, or until the dispatcher wakes */
+        if (full) {
             processes_wake(&b->processes, place); /* more of them have not been looked at */
         }
-        b->dispatch.parts_count = 0;
         b->dispatch.open = MU_NONE;
     }
     dispatch_sleep(b);
@@ -224,6 +213,15 @@ static void word_end(struct broker *b)
     c->open_word = WORD_NONE;
 }
 
+/* One Delivery may not have held all. */
+static void place_go_on(struct broker *b, const struct process *at, uint32_t place)
+{
+    if (processes_agent_waits(&b->processes, place) || !view_has_told(&b->pages, at) ||
+        changelog_after(&b->registry.changes, at->version_had) != MU_NONE) {
+        processes_wake(&b->processes, place);
+    }
+}
+
 void broker_delivered(struct broker *b, uint64_t now_ns)
 {
     struct dispatch *c = &b->dispatch;
@@ -259,7 +257,7 @@ void broker_delivered(struct broker *b, uint64_t now_ns)
     if (scope_is_paced(c->view.scope)) {
         steps_delivered(b, c->open);
     } else {
-        processes_wake(&b->processes, c->open); /* there may be more than one Delivery could hold */
+        place_go_on(b, at, c->open);
     }
     c->open = MU_NONE;
 }

@@ -43,7 +43,7 @@ static bool place_is_ready(const struct broker *b, const struct process *at)
     return is_there && is_alone && !processes_is_held(at) && !at->roll_call_due &&
            at->refusals_count == 0 &&
            changelog_after(&b->registry.changes, at->version_had) == MU_NONE &&
-           view_has_told(b, at);
+           view_has_told(&b->pages, at);
 }
 
 /* @return whether this is the next mail that its receiver gets, and may go to many at once */

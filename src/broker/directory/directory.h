@@ -271,9 +271,6 @@ bool view_shows(const struct broker *b, uint32_t line, bool inside);
 /** What is said now: its stamp, and whether it takes effect inside.  Call before each change. */
 struct said view_said(struct broker *b);
 
-/** @return when notify_expire is needed next, on the mail clock; UINT64_MAX: never */
-uint64_t view_deadline_mail_ns(const struct broker *b);
-
 /** A process is to be told everything again. */
 void view_forget_told(struct process *at);
 
@@ -281,7 +278,19 @@ void view_forget_told(struct process *at);
 void view_fill(struct broker *b, const struct process *at, muster_Delivery *d);
 
 /** @return whether there is nothing of it that a place has not been told */
-bool view_has_told(const struct broker *b, const struct process *at);
+static inline bool view_has_told(const struct pages *p, const struct process *at)
+{
+    return changelog_after(&p->groups.changes, at->groups_had) == MU_NONE &&
+           changelog_after(&p->services.changes, at->services_had) == MU_NONE;
+}
+
+/** A Delivery begins.  @return whether view_fill may have something to add */
+static inline bool view_open(struct pages *p, const struct process *at)
+{
+    p->groups.open = at->groups_had;
+    p->services.open = at->services_had;
+    return !view_has_told(p, at);
+}
 
 /** @return the lease of a line as others are to have it, which count it from its stamp by the wall
  */
@@ -296,10 +305,7 @@ static inline void view_delivered(const struct pages *p, struct process *at)
 
 bool view_place_is_told(const struct process *at);
 
-/** @return whether there is an agent to ask about an address SCHEME:REST */
-bool view_has_resolver(const struct broker *b, const char *dst);
-
-/** @return the resolver of an address, or MU_NONE */
+/** @return the agent to ask about an address SCHEME:REST, or MU_NONE */
 uint32_t view_resolver(const struct broker *b, const char *dst);
 
 #endif

@@ -72,11 +72,6 @@ struct said view_said(struct broker *b)
     };
 }
 
-uint64_t view_deadline_mail_ns(const struct broker *b)
-{
-    return b->pages.services.soonest_ns;
-}
-
 /* What was said inside has a stamp of the run, and a lease that counts its time. */
 uint64_t view_lease_ns(const struct broker *b, uint32_t line)
 {
@@ -138,21 +133,12 @@ void view_fill(struct broker *b, const struct process *at, muster_Delivery *d)
     struct pages *p = &b->pages;
     d->memberships._buffer = p->memberships;
     d->offers._buffer = p->offers;
-    p->groups.open = at->groups_had;
-    p->services.open = at->services_had;
+    d->memberships._maximum = MU_MEMBERSHIPS_MAX;
+    d->offers._maximum = MU_SERVICES_MAX;
     if (view_place_is_told(at)) {
         memberships_fill(&p->groups, at, d);
         offers_fill(b, at, d);
     }
-    d->memberships._maximum = d->memberships._length;
-    d->offers._maximum = d->offers._length;
-}
-
-bool view_has_told(const struct broker *b, const struct process *at)
-{
-    const struct pages *p = &b->pages;
-    return changelog_after(&p->groups.changes, at->groups_had) == MU_NONE &&
-           changelog_after(&p->services.changes, at->services_had) == MU_NONE;
 }
 
 uint32_t view_resolver(const struct broker *b, const char *dst)
@@ -176,9 +162,4 @@ uint32_t view_resolver(const struct broker *b, const char *dst)
         }
     }
     return MU_NONE;
-}
-
-bool view_has_resolver(const struct broker *b, const char *dst)
-{
-    return view_resolver(b, dst) != MU_NONE;
 }

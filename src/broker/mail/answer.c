@@ -2,6 +2,7 @@
 #include "broker/mail/mail.h"
 
 #include "broker/control/parts.h"
+#include "core/fields.h"
 
 /* Answers outside count from here, so that a question from there does not shift the numbers
  * inside. */
@@ -35,15 +36,23 @@ static void answer_post(struct broker *b, uint32_t own, uint32_t receiver, muste
     deliver_send(b, receiver, m);
 }
 
+static muster_Mail letter_of(const char *performative, const char *reply_with,
+                             const char *in_reply_to, char *content)
+{
+    return (muster_Mail){.performative = sample_text(performative),
+                         .ontology = sample_text(""),
+                         .reply_with = sample_text(reply_with),
+                         .in_reply_to = sample_text(in_reply_to),
+                         .conversation = sample_text(""),
+                         .content = content};
+}
+
 void answer_reply(struct broker *b, uint32_t own, const struct mail *question,
                   const char *performative, char *content)
 {
-    muster_Mail m = {.performative = sample_text(performative),
-                     .ontology = question->letter.ontology,
-                     .reply_with = sample_text(""),
-                     .in_reply_to = question->letter.reply_with,
-                     .conversation = question->letter.conversation,
-                     .content = content};
+    muster_Mail m = letter_of(performative, "", question->letter.reply_with, content);
+    m.ontology = question->letter.ontology;
+    m.conversation = question->letter.conversation;
     answer_post(b, own, question->sender, &m);
 }
 
@@ -52,26 +61,25 @@ void answer_send(struct broker *b, const struct mail *question, const char *perf
     answer_reply(b, REGISTRY_BROKER, question, performative, b->text);
 }
 
+void answer_word(struct broker *b, const struct mail *question, const char *performative,
+                 const char *word, const char *field)
+{
+    struct mu_text t = answer_begin(b, word);
+    mu_fields_add(&t, field);
+    answer_send(b, question, performative);
+}
+
 void answer_inform(struct broker *b, uint32_t receiver, const char *in_reply_to,
                    const char *conversation)
 {
-    muster_Mail m = {.performative = sample_text("inform"),
-                     .ontology = sample_text(""),
-                     .reply_with = sample_text(""),
-                     .in_reply_to = sample_text(in_reply_to),
-                     .conversation = sample_text(conversation),
-                     .content = b->text};
+    muster_Mail m = letter_of("inform", "", in_reply_to, b->text);
+    m.conversation = sample_text(conversation);
     answer_post(b, REGISTRY_BROKER, receiver, &m);
 }
 
 void answer_ask(struct broker *b, uint32_t receiver, const char *performative,
                 const char *reply_with)
 {
-    muster_Mail m = {.performative = sample_text(performative),
-                     .ontology = sample_text(""),
-                     .reply_with = sample_text(reply_with),
-                     .in_reply_to = sample_text(""),
-                     .conversation = sample_text(""),
-                     .content = b->text};
+    muster_Mail m = letter_of(performative, reply_with, "", b->text);
     answer_post(b, REGISTRY_BROKER, receiver, &m);
 }

@@ -29,7 +29,7 @@ static void post_drop(struct broker *b, uint32_t victim, uint32_t agent)
     mailbox_withdraw(&b->mailbox, victim);
     b->counters.dropped++;
     ledger_alert(b, ALERT_DROPPED, agent, m->sender);
-    mail_fate_on(m, FATE_DROPS);
+    mail_meets(m, FATE_DROPPED);
     outcome_settle(b, m);
 }
 
@@ -79,40 +79,6 @@ static void deliver_schedule(struct broker *b, struct mail *m, bool held, uint64
     }
 }
 
-bool deliver_put(struct broker *b, struct mail *m, struct recipients *to, struct delivered *done)
-{
-    if (!mail_book(b, m, to)) {
-        return false;
-    }
-    bool held = deliver_is_held(b, m);
-    *done = (struct delivered){.fits = true, .stored = held};
-    enum mailbox_gate needs = m->letter.layer == 0 ? GATE_URGENT : GATE_OPEN;
-    for (uint32_t i = 0; i < to->count; i++) {
-        uint32_t agent = to->agents[i];
-        if (registry_is_own(agent)) {
-            continue;
-        }
-        if (!post_put(b, m, agent, held)) {
-            done->fits = done->fits && recipients_veils(&b->registry, m, agent);
-        } else {
-            done->stored = done->stored || names_gate(&b->registry, &b->processes, agent) < needs;
-        }
-    }
-    if (m->unsettled < to->count || m->unsettled == 0 || to->veiled > 0) {
-        ledger_settle(b, m); /* it is in fewer boxes than were booked, or on both accounts */
-    }
-    pool_keep(m); /* what a desk answers may drop it from all boxes again */
-    if (m->unsettled == 0) {
-        pool_release(&b->pool, m);
-    } else {
-        deliver_schedule(b, m, held, m->letter.ttl_ns);
-        if (b->journal.on) {
-            journal_put(b, m);
-        }
-    }
-    return true;
-}
-
 void deliver_conclude(struct broker *b, struct mail *m, const struct recipients *to,
                       const struct delivered *done)
 {
@@ -137,6 +103,43 @@ void deliver_conclude(struct broker *b, struct mail *m, const struct recipients 
     pool_release(&b->pool, m);
 }
 
+struct delivered deliver_put(struct broker *b, struct mail *m, struct recipients *to)
+{
+    bool held = deliver_is_held(b, m);
+    struct delivered done = {.fits = true, .stored = held};
+    if (!mail_book(b, m, to)) {
+        return done;
+    }
+    enum mailbox_gate needs = m->letter.layer == 0 ? GATE_URGENT : GATE_OPEN;
+    for (uint32_t i = 0; i < to->count; i++) {
+        uint32_t agent = to->agents[i];
+        if (registry_is_own(agent)) {
+            done.desks = true;
+        } else if (!post_put(b, m, agent, held)) {
+            done.fits = done.fits && recipients_veils(&b->registry, m, agent);
+        } else {
+            done.stored = done.stored || names_gate(&b->registry, &b->processes, agent) < needs;
+        }
+    }
+    if (m->unsettled < to->count || m->unsettled == 0 || to->veiled > 0) {
+        ledger_settle(b, m); /* it is in fewer boxes than were booked, or on both accounts */
+    }
+    pool_keep(m); /* what a desk answers may drop it from all boxes again */
+    if (m->unsettled == 0) {
+        pool_release(&b->pool, m);
+    } else {
+        deliver_schedule(b, m, held, m->letter.ttl_ns);
+        if (b->journal.on) {
+            journal_put(b, m);
+        }
+    }
+    done.boxes = m->unsettled;
+    if (!done.desks) {
+        deliver_conclude(b, m, to, &done);
+    }
+    return done;
+}
+
 void deliver_send(struct broker *b, uint32_t receiver, const muster_Mail *letter)
 {
     struct recipients to;
@@ -153,10 +156,7 @@ void deliver_send(struct broker *b, uint32_t receiver, const muster_Mail *letter
     m->sender = REGISTRY_BROKER;
     m->payer = receiver; /* an agent that asks much must not use up what answers to others need */
     m->order = ++b->orders;
-    struct delivered done;
-    if (deliver_put(b, m, &to, &done)) {
-        deliver_conclude(b, m, &to, &done);
-    }
+    (void)deliver_put(b, m, &to);
 }
 
 bool deliver_restore(struct broker *b, struct mail *m, const char *waiting, uint64_t left_ns)

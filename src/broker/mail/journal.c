@@ -7,6 +7,29 @@
 
 enum { BUCKETS_RUN = 64 };
 
+/* clang-format off */
+enum {
+    X = 255, R = DURABLE_NOT, M = DURABLE_MARKED, W = DURABLE_WRITTEN, A = DURABLE_MARKED_AGAIN
+};
+
+static const unsigned char next_durable[DURABLE_STATES][DURABLE_EVENTS] = {
+    /*                       marks commits restores undoes */
+    [DURABLE_NOT]          = {M,   X,      W,       X},
+    [DURABLE_MARKED]       = {M,   W,      X,       R},
+    [DURABLE_WRITTEN]      = {A,   X,      X,       X},
+    [DURABLE_MARKED_AGAIN] = {A,   W,      X,       X},
+};
+/* clang-format on */
+
+bool mail_durable_on(struct mail *m, enum mail_durable_event event)
+{
+    enum mail_durable before = m->durable;
+    unsigned next = next_durable[before][event];
+    MU_ASSERT(next != X);
+    m->durable = (enum mail_durable)next;
+    return m->durable != before;
+}
+
 void journal_init(struct journal *j, bool on)
 {
     *j = (struct journal){.on = on};
@@ -136,8 +159,8 @@ void journal_put(struct broker *b, struct mail *m)
     }
     row_give(b, m);
     a->durable_order = m->letter.hops == 0 ? m->order : a->durable_order;
-    if (m->letter.hops == 0 && m->letter.seq > a->durable_seq) {
-        a->durable_seq = m->letter.seq;
+    if (m->letter.hops == 0 && m->letter.seq > a->seq.durable) {
+        a->seq.durable = m->letter.seq;
         agent_mark(b, m->sender);
     }
 }
@@ -165,11 +188,11 @@ uint32_t journal_room_left(const struct journal *j, const struct mailbox *m, uin
 void journal_failed(struct broker *b, uint32_t sender, const muster_Mail *letter)
 {
     struct agent *a = &b->registry.agents[sender];
-    if (letter->hops > 0 || letter->seq <= a->failed_seq) {
+    if (letter->hops > 0 || letter->seq <= a->seq.failed) {
         return;
     }
-    a->failed_seq = letter->seq;
-    if (letter->seq <= a->durable_seq) { /* else none is asked before one has gone to the store */
+    a->seq.failed = letter->seq;
+    if (letter->seq <= a->seq.durable) { /* else none is asked before one has gone to the store */
         agent_mark(b, sender);
     }
 }
@@ -185,8 +208,8 @@ void journal_settled(struct broker *b, struct mail *m)
 void journal_agent(struct broker *b, uint32_t agent)
 {
     struct agent *a = &b->registry.agents[agent];
-    if (a->reserved_seq == 0 || a->saved_kind != a->is.kind) {
-        a->reserved_seq = a->reserved_seq ? a->reserved_seq : JOURNAL_RESERVE;
+    if (a->seq.reserved == 0 || a->saved_kind != a->is.kind) {
+        a->seq.reserved = a->seq.reserved ? a->seq.reserved : JOURNAL_RESERVE;
         a->saved_kind = a->is.kind;
         agent_mark(b, agent);
     }
@@ -195,7 +218,7 @@ void journal_agent(struct broker *b, uint32_t agent)
 bool journal_end(struct broker *b, uint32_t agent)
 {
     struct agent *a = &b->registry.agents[agent];
-    if (a->reserved_seq > 0 && a->saved_kind != JOURNAL_ENDED) {
+    if (a->seq.reserved > 0 && a->saved_kind != JOURNAL_ENDED) {
         a->saved_kind = JOURNAL_ENDED;
         agent_mark(b, agent);
     }
@@ -205,9 +228,9 @@ bool journal_end(struct broker *b, uint32_t agent)
 void journal_seq(struct broker *b, uint32_t agent)
 {
     struct agent *a = &b->registry.agents[agent];
-    bool far = a->seen_seq < INT64_MAX - 2 * (uint64_t)JOURNAL_RESERVE;
-    if (far && a->seen_seq + JOURNAL_RESERVE / 2 > a->reserved_seq) {
-        a->reserved_seq = a->seen_seq + JOURNAL_RESERVE;
+    bool far = a->seq.seen < INT64_MAX - 2 * (uint64_t)JOURNAL_RESERVE;
+    if (far && a->seq.seen + JOURNAL_RESERVE / 2 > a->seq.reserved) {
+        a->seq.reserved = a->seq.seen + JOURNAL_RESERVE;
         agent_mark(b, agent);
     }
 }

@@ -113,6 +113,9 @@ struct journal {
 
 void journal_init(struct journal *j, bool on);
 
+/** @return whether the state has changed */
+bool mail_durable_on(struct mail *m, enum mail_durable_event event);
+
 /* --- for the parts of the broker -------------------------------------------------------------- */
 
 /** @return whether durable mail can be taken now */

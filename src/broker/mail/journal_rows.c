@@ -78,9 +78,9 @@ static bool next_agent(struct broker *b, struct journal_entry *e)
     e->kind = JOURNAL_AGENT;
     e->name = a->name;
     e->agent_kind = a->saved_kind;
-    e->durable_seq = a->durable_seq;
-    e->failed_seq = a->failed_seq;
-    e->reserved_seq = a->reserved_seq;
+    e->durable_seq = a->seq.durable;
+    e->failed_seq = a->seq.failed;
+    e->reserved_seq = a->seq.reserved;
     return true;
 }
 

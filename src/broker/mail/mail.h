@@ -191,18 +191,20 @@ uint64_t outcome_deadline_ns(const struct broker *b);
 struct delivered {
     bool fits;   /* into each box that its sender may know of */
     bool stored; /* some of its receivers do not take mail now */
+    bool desks;  /* the broker, or a part of it, is to take it before deliver_conclude */
+    uint32_t boxes;
 };
 
 /**
- * Books a mail on its sender's account with the store, and puts it into every box; keeps one use of
- * it for deliver_conclude.  Where there is no room for those outside the run that the sender is in,
- * they are taken out of the audience.
+ * Books a mail on its sender's account with the store, puts it into every box, and tells the sender
+ * what became of it at once: it may be gone then, if it is in no box.  Where there is no room for
+ * those outside the run that the sender is in, they are taken out of the audience.
  *
- * @return false: refused, counted, told, and freed
+ * @return what was done; boxes 0 and no desks: it may have been refused, which is counted and told
  */
-bool deliver_put(struct broker *b, struct mail *m, struct recipients *to, struct delivered *done);
+struct delivered deliver_put(struct broker *b, struct mail *m, struct recipients *to);
 
-/** Tells the sender what became of it at once, and gives back the use that deliver_put kept. */
+/** Tells its sender what became of a mail that desks have taken. */
 void deliver_conclude(struct broker *b, struct mail *m, const struct recipients *to,
                       const struct delivered *done);
 
@@ -233,6 +235,10 @@ struct mu_text answer_begin(struct broker *b, const char *word);
 
 /** Sends b->text in answer to a question that was put to the broker itself. */
 void answer_send(struct broker *b, const struct mail *question, const char *performative);
+
+/** The broker answers with a word and one field. */
+void answer_word(struct broker *b, const struct mail *question, const char *performative,
+                 const char *word, const char *field);
 
 /** Sends b->text to an agent that has asked earlier. */
 void answer_inform(struct broker *b, uint32_t receiver, const char *in_reply_to,

@@ -34,7 +34,7 @@ void outcome_tick(struct broker *b)
 
 void outcome_end(struct broker *b, struct mail *m, muster_Outcome result)
 {
-    if (mail_told_on(m, TOLD_ENDS)) {
+    if (mail_tell(m, TOLD_LAST)) {
         if (result != muster_OUTCOME_DELIVERED && result != muster_OUTCOME_STORED) {
             journal_failed(b, m->sender, &m->letter);
         }
@@ -51,7 +51,7 @@ void outcome_refuse(struct broker *b, struct mail *m, uint32_t unknown, muster_O
 
 void outcome_stored(struct broker *b, struct mail *m)
 {
-    if (mail_told_on(m, TOLD_STORES)) {
+    if (mail_tell(m, TOLD_STORED)) {
         outcome_tell(b, m->sender, m->letter.seq, m->letter.seq, muster_OUTCOME_STORED);
     }
 }
@@ -147,18 +147,20 @@ void outcome_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
             journal_acknowledged(b, agent);
         }
         if (beyond) {
-            mail_fate_on(m, FATE_PASSES);
+            mail_meets(m, FATE_PASSED_ON);
             b->federation.count.passed_on++;
         } else {
             b->counters.delivered++;
         }
         outcome_settle(b, m);
     }
-    bool flies = box->lists[POST_FLIGHT].posts.count > 0;
-    if (flies && !scope_is_paced(registry_scope(&b->registry, agent))) {
+    uint32_t flying = box->lists[POST_FLIGHT].posts.count;
+    if (flying > 0 && !scope_is_paced(registry_scope(&b->registry, agent))) {
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
     }
-    processes_wake_agent(&b->registry, &b->processes, agent);
+    if (box->use.mails > flying || box->out != MU_NONE) { /* more may go now */
+        processes_wake_agent(&b->registry, &b->processes, agent);
+    }
 }
 
 void outcome_expire(struct broker *b, uint64_t mail_ns)
@@ -173,7 +175,7 @@ void outcome_expire(struct broker *b, uint64_t mail_ns)
             if (b->mailbox.posts[post].list != POST_FLIGHT) {
                 mailbox_withdraw(&b->mailbox, post);
                 b->counters.expired++;
-                mail_fate_on(m, FATE_EXPIRES);
+                mail_meets(m, FATE_EXPIRED);
                 outcome_settle(b, m);
             }
         }

@@ -123,7 +123,7 @@ void recipients_of_letter(struct broker *b, const muster_Mail *letter, uint32_t 
         return;
     }
     if (kind == MU_ADDRESS_SCHEME) {
-        to->unknown += !view_has_resolver(b, letter->dst);
+        to->unknown += view_resolver(b, letter->dst) == MU_NONE;
         return;
     }
     for (uint32_t i = 0; i < b->registry.live; i++) {

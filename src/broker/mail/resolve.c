@@ -35,7 +35,7 @@ enum resolve_need resolve_needs(const struct broker *b, const struct mail *m)
     bool is_address = mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME;
     /* No address stands for the broker, and a resolver's answers must not wait for each other. */
     bool follows = queue->count > 0 && strcmp(m->letter.dst, "broker") != 0;
-    if (!follows && !(is_address && view_has_resolver(b, m->letter.dst))) {
+    if (!follows && !(is_address && view_resolver(b, m->letter.dst) != MU_NONE)) {
         return RESOLVE_NOTHING;
     }
     enum quota_side side = scope_account(registry_scope(&b->registry, m->sender));

@@ -126,8 +126,8 @@ static bool entry_is_buried(struct broker *b, const muster_Entry *e, bool ours)
     }
     if (!ours && e->last_seq <= INT64_MAX / 2) {
         grave = grave ? grave : graveyard_add(g, e->name);
-        grave->elsewhere_seq =
-            e->last_seq > grave->elsewhere_seq ? e->last_seq : grave->elsewhere_seq;
+        grave->seq.elsewhere =
+            e->last_seq > grave->seq.elsewhere ? e->last_seq : grave->seq.elsewhere;
     }
     return true;
 }
@@ -160,8 +160,8 @@ static void entry_take(struct broker *b, struct peer *p, const muster_Entry *e, 
     p->at_slot[slot] = present ? agent + 1 : 0;
     struct route *route = &p->routes[agent];
     struct agent *a = &b->registry.agents[agent];
-    if (!ours && e->last_seq > a->elsewhere_seq && e->last_seq <= INT64_MAX / 2) {
-        a->elsewhere_seq = e->last_seq;
+    if (!ours && e->last_seq > a->seq.elsewhere && e->last_seq <= INT64_MAX / 2) {
+        a->seq.elsewhere = e->last_seq;
     }
     if (!present && !route->present) {
         if (!ours) {

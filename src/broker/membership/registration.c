@@ -49,7 +49,7 @@ static void claims_end(struct broker *b, uint32_t place, uint32_t part,
 static void presence_leave(struct broker *b, uint32_t agent)
 {
     if (scope_is_paced(registry_scope(&b->registry, agent))) {
-        registry_report_on(&b->registry, agent, REPORT_OF_LEAVING);
+        b->registry.agents[agent].report = REPORT_GONE;
     } else {
         lifecycle_depart(b, agent);
     }

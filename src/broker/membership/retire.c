@@ -27,69 +27,24 @@ static void hold(struct broker *b, uint32_t agent)
     }
 }
 
-static void hold_mail(struct broker *b, const struct mail *m)
-{
-    hold(b, m->sender);
-    hold(b, m->payer);
-    hold(b, m->only);
-    hold(b, m->kept_for);
-}
-
-static void hold_list(struct broker *b, const struct mail_list *list)
-{
-    for (const struct mail *m = list->first; m; m = m->next) {
-        hold_mail(b, m);
-    }
-}
-
-static void hold_boxes(struct broker *b)
-{
-    for (uint32_t agent = 0; agent < b->registry.count; agent++) {
-        const struct box *box = &b->mailbox.boxes[agent];
-        for (int list = POST_HELD; box->begun && list <= POST_FLIGHT; list++) {
-            MU_LIST_EACH (post, &box->lists[list].posts,
-                          MU_LINKS(b->mailbox.posts, links[LINKS_BOX])) {
-                hold(b, agent);
-                hold_mail(b, b->mailbox.posts[post].mail);
-            }
-        }
-    }
-}
-
-/* Mail that stands in no box, or no more. */
+/* All mail that lives, in a box or not, and what a step or a resolver is awaited for. */
 static void hold_mails(struct broker *b)
 {
-    for (uint32_t i = 0; i < b->replays.count; i++) {
-        hold_mail(b, b->replays.heap[i]);
-    }
-    hold_list(b, &b->journal.mails);
-    for (uint32_t i = 0; i < b->multicast.count; i++) {
-        hold_mail(b, b->multicast.waiting[i]);
-    }
-    for (uint32_t i = 0; i < b->steps.told_count; i++) {
-        hold_mail(b, b->steps.told[i]);
+    uint32_t place = 0;
+    for (const struct mail *m; (m = pool_each(&b->pool, &place));) {
+        hold(b, m->sender);
+        hold(b, m->payer);
+        hold(b, m->only);
+        hold(b, m->kept_for);
+        MU_LIST_EACH (post, &m->posts, MU_LINKS(b->mailbox.posts, links[LINKS_MAIL])) {
+            hold(b, b->mailbox.posts[post].agent);
+        }
     }
     for (uint32_t i = 0; i < b->steps.active_count; i++) {
-        const struct turn *turn = &b->steps.turns[b->steps.active[i]];
         hold(b, b->steps.active[i]);
-        hold_list(b, &turn->mails);
-        hold_list(b, &turn->outside);
     }
-}
-
-static void hold_resolving(struct broker *b)
-{
-    const struct resolve *r = &b->resolve;
-    for (uint32_t agent = 0; agent < b->registry.count && r->pool.live > 0; agent++) {
-        MU_LIST_EACH (i, &r->queues[agent], MU_LINKS(r->waits, link)) {
-            const struct resolve_wait *w = &r->waits[i];
-            hold(b, agent);
-            hold(b, w->resolver);
-            hold_mail(b, w->mail);
-            if (w->answer) {
-                hold_mail(b, w->answer);
-            }
-        }
+    MU_LIST_EACH (i, &b->resolve.waits_asked, MU_LINKS(b->resolve.waits, asked)) {
+        hold(b, b->resolve.waits[i].resolver);
     }
 }
 
@@ -179,9 +134,7 @@ static bool is_absent(const struct broker *b, uint32_t agent)
 static void hold_all(struct broker *b)
 {
     memset(b->retirement.held, 0, b->registry.count * sizeof *b->retirement.held);
-    hold_boxes(b);
     hold_mails(b);
-    hold_resolving(b);
     hold_snapshots(b);
     hold_probes(b);
     hold_groups(b);
@@ -207,7 +160,7 @@ static void box_clear(struct broker *b, uint32_t agent)
             }
             b->federation.count.passed_on += passes;
             b->counters.dropped += !passes;
-            mail_fate_on(m, passes ? FATE_PASSES : FATE_DROPS);
+            mail_meets(m, passes ? FATE_PASSED_ON : FATE_DROPPED);
             outcome_settle(b, m);
         }
     }

@@ -138,7 +138,7 @@ static void seat_moved(struct broker *b, struct snapshot *c, uint32_t slot)
     is.state = free ? c->state : is.state;
     (void)mu_text_copy(is.host, sizeof is.host, host->name);
     (free ? lifecycle_seat : lifecycle_move)(b, c->agent, c->target, slot, &is);
-    registry_report_on(&b->registry, c->agent, REPORT_IS_AWAITED);
+    b->registry.agents[c->agent].report = REPORT_AWAITED;
     seat_tell(b, c);
 }
 
@@ -166,7 +166,7 @@ static void seat_new(struct broker *b, struct snapshot *c, uint32_t slot)
                           .pid = host->is.pid};
     (void)mu_text_copy(is.host, sizeof is.host, host->name);
     lifecycle_seat(b, agent, c->target, slot, &is);
-    registry_report_on(&b->registry, agent, REPORT_IS_AWAITED);
+    b->registry.agents[agent].report = REPORT_AWAITED;
     seat_tell(b, c);
     snapshots_drop(b, c);
 }

@@ -41,13 +41,7 @@ void graveyard_bury(struct graveyard *g, const struct agent *a)
 {
     struct grave *grave = graveyard_add(g, a->name);
     grave->saved_kind = a->saved_kind;
-    grave->seen_seq = a->seen_seq;
-    grave->came_seq = a->came_seq;
-    grave->durable_seq = a->durable_seq;
-    grave->failed_seq = a->failed_seq;
-    grave->earlier_seq = a->earlier_seq;
-    grave->reserved_seq = a->reserved_seq;
-    grave->elsewhere_seq = a->elsewhere_seq;
+    grave->seq = a->seq;
 }
 
 void graveyard_raise(struct graveyard *g, struct agent *a)
@@ -57,12 +51,6 @@ void graveyard_raise(struct graveyard *g, struct agent *a)
         return;
     }
     a->saved_kind = grave->saved_kind;
-    a->seen_seq = grave->seen_seq;
-    a->came_seq = grave->came_seq;
-    a->durable_seq = grave->durable_seq;
-    a->failed_seq = grave->failed_seq;
-    a->earlier_seq = grave->earlier_seq;
-    a->reserved_seq = grave->reserved_seq;
-    a->elsewhere_seq = grave->elsewhere_seq;
+    a->seq = grave->seq;
     grave_clear(g, grave);
 }

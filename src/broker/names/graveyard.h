@@ -23,11 +23,21 @@ struct agent;
  */
 enum { GRAVES_MAX = 65536 };
 
+/* Numbers of an agent's mail. */
+struct mail_numbers {
+    uint64_t seen;      /* the last that it has sent in this life of the broker */
+    uint64_t came;      /* the last that has come in this life, taken or not */
+    uint64_t durable;   /* the last that went to the store, in any life */
+    uint64_t failed;    /* the last that was not delivered, in any life */
+    uint64_t earlier;   /* no mail of an earlier life of the broker has a higher one */
+    uint64_t reserved;  /* on disk: later lives count from here */
+    uint64_t elsewhere; /* no mail that other brokers have had of it has a higher one */
+};
+
 struct grave {
     char name[MU_NAME_MAX + 1]; /* "": none */
-    muster_Kind saved_kind;
-    uint64_t seen_seq, came_seq, durable_seq, failed_seq; /* as those of struct agent */
-    uint64_t earlier_seq, reserved_seq, elsewhere_seq;
+    muster_Kind saved_kind;     /* as that of struct agent */
+    struct mail_numbers seq;
 };
 
 struct graveyard {

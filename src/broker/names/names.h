@@ -110,14 +110,6 @@ enum report {
     REPORT_THERE,
     REPORT_AWAITED, /* nothing yet: the broker has given it to the process */
     REPORT_GONE,    /* inside a run: counts when that ends */
-    REPORTS
-};
-
-enum report_event {
-    REPORT_COMES, /* that it is there; or the process is its process no longer */
-    REPORT_IS_AWAITED,
-    REPORT_OF_LEAVING,
-    REPORT_EVENTS
 };
 
 struct agent {
@@ -131,15 +123,9 @@ struct agent {
     struct resident resident;       /* while it has a process */
     struct presence is;
     uint64_t since_wall_ns;
-    uint64_t seen_seq;      /* the last mail that it has sent in this life of the broker */
-    uint64_t came_seq;      /* the last one that has come in this life, taken or not */
-    uint64_t durable_seq;   /* the last one that went to the store, in any life */
-    uint64_t failed_seq;    /* the last one that was not delivered, in any life */
+    struct mail_numbers seq;
     uint64_t durable_order; /* of its last mail that is to go to the store, in this life, */
     uint64_t ram_order;     /* and of its last one in RAM */
-    uint64_t earlier_seq;   /* no mail of an earlier life of the broker has a higher one */
-    uint64_t reserved_seq;  /* on disk: later lives count from here */
-    uint64_t elsewhere_seq; /* no mail that other brokers have had of it has a higher one */
     uint64_t mark;          /* the last list of receivers that it was put on */
     uint64_t kept_until_ns; /* so long newcomers wait for its last bearer: see names_hold */
     uint64_t seated_above;  /* the last number of its box before the last verdict */
@@ -206,9 +192,8 @@ static inline uint32_t registry_addressee(const struct registry *r, const char *
     return agent != MU_NONE && r->agents[agent].named == NAMED_ENDED ? MU_NONE : agent;
 }
 
-/* Something happens to a name, or is reported of its bearer; our own code aborts if it cannot. */
+/* Something happens to a name; our own code aborts if it cannot. */
 void registry_named_on(struct registry *r, uint32_t agent, enum name_event event);
-void registry_report_on(struct registry *r, uint32_t agent, enum report_event event);
 
 /** @return whether the agent of the name was disposed of, and no other bears it */
 bool registry_is_ending(const struct agent *a);

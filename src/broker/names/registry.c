@@ -11,8 +11,7 @@
 /* The letters of the table; X is illegal. */
 enum {
     X = 255,
-    L = NAMED_LASTS, R = NAMED_ENDS_WITH_RUN, E = NAMED_ENDS, D = NAMED_ENDED,
-    H = REPORT_THERE, W = REPORT_AWAITED, G = REPORT_GONE
+    L = NAMED_LASTS, R = NAMED_ENDS_WITH_RUN, E = NAMED_ENDS, D = NAMED_ENDED
 };
 
 static const unsigned char next_named[NAMED_STATES][NAMED_EVENTS] = {
@@ -22,13 +21,6 @@ static const unsigned char next_named[NAMED_STATES][NAMED_EVENTS] = {
     [NAMED_ENDS]          = {L,    E,       R,               D},
     [NAMED_ENDED]         = {L,    X,       X,               X},
 };
-
-static const unsigned char next_report[REPORTS][REPORT_EVENTS] = {
-    /*                 comes is awaited of leaving */
-    [REPORT_THERE]   = {H,    W,         G},
-    [REPORT_AWAITED] = {H,    X,         G},
-    [REPORT_GONE]    = {H,    X,         G},
-};
 /* clang-format on */
 
 void registry_named_on(struct registry *r, uint32_t agent, enum name_event event)
@@ -37,14 +29,6 @@ void registry_named_on(struct registry *r, uint32_t agent, enum name_event event
     unsigned next = next_named[a->named][event];
     MU_ASSERT(next != X);
     a->named = (enum name_state)next;
-}
-
-void registry_report_on(struct registry *r, uint32_t agent, enum report_event event)
-{
-    struct agent *a = &r->agents[agent];
-    unsigned next = next_report[a->report][event];
-    MU_ASSERT(next != X);
-    a->report = (enum report)next;
 }
 
 bool registry_is_ending(const struct agent *a)
@@ -213,9 +197,9 @@ void registry_touch(struct registry *r, uint32_t agent)
 
 uint64_t registry_last_seq(const struct agent *a)
 {
-    uint64_t earlier = a->seen_seq ? 0 : a->earlier_seq;
-    uint64_t last = a->seen_seq > a->durable_seq ? a->seen_seq : a->durable_seq;
-    last = last > a->elsewhere_seq ? last : a->elsewhere_seq;
+    uint64_t earlier = a->seq.seen ? 0 : a->seq.earlier;
+    uint64_t last = a->seq.seen > a->seq.durable ? a->seq.seen : a->seq.durable;
+    last = last > a->seq.elsewhere ? last : a->seq.elsewhere;
     return last > earlier ? last : earlier;
 }
 
@@ -236,7 +220,7 @@ void registry_seat(struct registry *r, uint32_t agent, uint32_t process, const c
     if (process != MU_NONE) {
         names_bearer_on(r, agent, BEARER_SEATS);
     }
-    registry_report_on(r, agent, REPORT_COMES);
+    a->report = REPORT_THERE;
     registry_named_on(r, agent, NAMED_BORNE);
     registry_touch(r, agent);
 }
@@ -250,7 +234,7 @@ void registry_unseat(struct registry *r, uint32_t agent, uint64_t wall_ns)
     a->is.state = muster_STATE_ABSENT;
     a->since_wall_ns = wall_ns;
     names_bearer_on(r, agent, BEARER_UNSEATS);
-    registry_report_on(r, agent, REPORT_COMES);
+    a->report = REPORT_THERE;
     registry_touch(r, agent);
 }
 
@@ -265,7 +249,7 @@ bool registry_update(struct registry *r, uint32_t agent, const struct presence *
                 a->is.busy_since_wall_ns == presence->busy_since_wall_ns &&
                 strcmp(a->is.reason, presence->reason) == 0;
     a->is = *presence;
-    registry_report_on(r, agent, REPORT_COMES);
+    a->report = REPORT_THERE;
     registry_named_on(r, agent, NAMED_BORNE);
     if (same) {
         return false;

@@ -170,8 +170,8 @@ void remote_lose_route(struct broker *b, struct peer *p, uint32_t agent)
     struct agent *a = &b->registry.agents[agent];
     uint64_t most = INT64_MAX / 2;
     uint64_t last = route->last_seq < most ? route->last_seq + JOURNAL_RESERVE : most;
-    if (route->present && last > a->elsewhere_seq) {
-        a->elsewhere_seq = last;
+    if (route->present && last > a->seq.elsewhere) {
+        a->seq.elsewhere = last;
     }
     if (strcmp(route->is.home, p->name) == 0) {
         names_hold(b, agent);

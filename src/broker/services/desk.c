@@ -20,9 +20,7 @@ static void request_lookup(struct broker *b, const struct mail *question)
     }
     uint32_t agent = registry_find(&b->registry, name);
     if (agent == MU_NONE || !is_shown(b, question, agent)) {
-        struct mu_text t = answer_begin(b, "unknown-name");
-        mu_fields_add(&t, name);
-        answer_send(b, question, "failure");
+        answer_word(b, question, "failure", "unknown-name", name);
         return;
     }
     muster_Member m;

@@ -45,9 +45,8 @@ void request_changed(struct broker *b, const struct mail *question, const char *
     if (question->letter.reply_with[0] == '\0') {
         return;
     }
-    struct mu_text t = answer_begin(b, refusal ? refusal : question->letter.performative);
-    mu_fields_add(&t, name);
-    answer_send(b, question, refusal ? "failure" : "inform");
+    answer_word(b, question, refusal ? "failure" : "inform",
+                refusal ? refusal : question->letter.performative, name);
 }
 
 const char *request_actor(struct broker *b, const struct mail *question, const char *named)

@@ -34,13 +34,6 @@ void request_groups(struct broker *b, const struct mail *question)
     request_list_end(b, &list);
 }
 
-static void group_unknown(struct broker *b, const struct mail *question, const char *group)
-{
-    struct mu_text t = answer_begin(b, "unknown-group");
-    mu_fields_add(&t, group);
-    answer_send(b, question, "failure");
-}
-
 void request_members(struct broker *b, const struct mail *question)
 {
     request_name group;
@@ -51,7 +44,7 @@ void request_members(struct broker *b, const struct mail *question)
         return;
     }
     if (strlen(group) > MU_NAME_MAX || !groups_exists(&b->pages.groups, group, inside)) {
-        group_unknown(b, question, group);
+        answer_word(b, question, "failure", "unknown-group", group);
         return;
     }
     request_list_begin(b, &list, question, "members-of", group);

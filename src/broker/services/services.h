@@ -214,20 +214,14 @@ void notify_freeze(struct broker *b);
 void notify_thaw(struct broker *b);
 void notify_enter(struct broker *b, uint32_t agent);
 
-/* --- admit.c --------------------------------------------------------------------------------- */
-
-/* A mail comes in from the wire: taken once, whole, and only if there is room for it. */
-
-/**
- * Takes a mail of an agent from the wire into the store.
- *
- * @return the mail, to be routed or dropped; or NULL: refused, counted, and the sender told
- */
-struct mail *admit_mail(struct broker *b, uint32_t sender, const muster_Mail *letter);
-
 /* --- route.c --------------------------------------------------------------------------------- */
 
-/* A mail's way: routed to the boxes of its receivers, acknowledged by each of them, or expired. */
+/* A mail's way: in from the wire, and to the boxes of its receivers. */
+
+/** Takes a mail of an agent from the wire, and puts it on its way, or keeps it until a step ends.
+ *  What is not taken is counted, and its sender told. */
+void route_letter(struct broker *b, uint32_t sender, const muster_Mail *letter,
+                  enum steps_effect effect);
 
 /** Puts an admitted mail on its way.  @return false if its sender may not send such a mail */
 bool route_mail(struct broker *b, struct mail *m);

@@ -71,11 +71,6 @@ void steps_note_end(struct broker *b)
                                                    c->refused + c->dropped + c->no_store};
 }
 
-void steps_last_end(const struct steps *l, muster_BrokerStatus *status)
-{
-    status->lockstep = l->end;
-}
-
 /* --- collecting ------------------------------------------------------------------------------- */
 
 static struct turn *turn_open(struct steps *l, uint32_t agent)

@@ -121,7 +121,6 @@ void steps_mark_residents(struct broker *b, uint32_t place);
 
 /** The lock step ends: notes what has been counted until now. */
 void steps_note_end(struct broker *b);
-void steps_last_end(const struct steps *l, muster_BrokerStatus *status);
 
 /** An agent has come to a process, has left it, or is of another kind now. */
 void steps_rescope(struct broker *b, uint32_t agent);

@@ -61,7 +61,7 @@ static void test_names_and_mail_come_back(void)
     story_register("green", "p-green");
     story_match("p-green");
     EXPECT("green #1 red/1 one; green #2 red/2 two; green #3 red/4 four; green welcome 1048576");
-    CU_ASSERT_EQUAL(story.b->registry.agents[registry_find(&story.b->registry, "red")].durable_seq,
+    CU_ASSERT_EQUAL(story.b->registry.agents[registry_find(&story.b->registry, "red")].seq.durable,
                     4);
     /* Receipts are kept for a sender that is still to come back. */
     story_ack("green", 3);

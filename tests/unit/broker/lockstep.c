@@ -489,8 +489,8 @@ static void test_due_and_expiry_count_steps(void)
     story_mail(short_lived);
     story_up("red", 1, muster_STATE_SUSPENDED, NULL, 0, 1);
     answer("green", 1);
-    EXPECT("operator 2-2 delivered; operator 3-3 stored; p-red@1; p-green@1; "
-           "green #2 red/1 at 0.2 s; sim@1; outside operator/3");
+    EXPECT("operator 2-2 delivered; operator 3-3 stored; p-green@1; "
+           "green #2 red/1 at 0.2 s; p-red@1; sim@1; outside operator/3");
     story_up("red", 2, muster_STATE_RUNNING, NULL, 0, 0); /* too late by one step */
     answer("green", 2);
     EXPECT("operator 3-3 expired; p-green@2; p-red@2; sim@2");

@@ -483,7 +483,7 @@ static void test_what_is_not_acknowledged_comes_again(void)
     story_ack("a", 3);
     story_ack("b", 2);
     story_tick(RESEND_MS);
-    EXPECT("b #3 red/6 two; c #2 red/5 one; c #3 red/6 two; d #2 red/5 one; d #3 red/6 two");
+    EXPECT("c #2 red/5 one; c #3 red/6 two; d #2 red/5 one; d #3 red/6 two; b #3 red/6 two");
     CU_ASSERT_EQUAL(story.again, 5);
     CU_ASSERT_EQUAL(story_status().resent, 5);
     say("a,b,c,d", "three");

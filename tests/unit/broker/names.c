@@ -299,7 +299,7 @@ static void test_last_words_hold_the_place(void)
 static void test_limit_graves(void)
 {
     struct graveyard g;
-    struct agent a = {.seen_seq = 5};
+    struct agent a = {.seq = {.seen = 5}};
     graveyard_init(&g);
     for (unsigned i = 0; i <= GRAVES_MAX; i++) {
         snprintf(a.name, sizeof a.name, "r%u", i);
@@ -309,7 +309,7 @@ static void test_limit_graves(void)
     CU_ASSERT_PTR_NOT_NULL(graveyard_find(&g, "r1"));
     a = (struct agent){.name = "r1"};
     graveyard_raise(&g, &a);
-    CU_ASSERT_EQUAL(a.seen_seq, 5);
+    CU_ASSERT_EQUAL(a.seq.seen, 5);
     CU_ASSERT_PTR_NULL(graveyard_find(&g, "r1"));
 }
 

@@ -108,15 +108,6 @@ static int apply_bearer(int state, int event)
     return (int)agent.bearer;
 }
 
-static int apply_report(int state, int event)
-{
-    static struct agent agent;
-    struct registry registry = {.agents = &agent};
-    agent.report = (enum report)state;
-    registry_report_on(&registry, 0, (enum report_event)event);
-    return (int)agent.report;
-}
-
 static void test_bearers(void)
 {
     /* None, Awaited, Owed a verdict, Told */
@@ -125,21 +116,12 @@ static void test_bearers(void)
     state_walk(apply_bearer, "NAOT", rows);
 }
 
-static void test_reports(void)
-{
-    /* tHere, aWaited, Gone */
-    static const char *const rows[REPORTS] = {"|HWG", "|H.G", "|H.G"};
-    CU_ASSERT_EQUAL(REPORT_EVENTS, 3);
-    state_walk(apply_report, "HWG", rows);
-}
-
 int main(void)
 {
     processes_init(&processes);
     CU_TestInfo tests[] = {
         {"sessions", test_sessions}, {"turns", test_turns},     {"roles", test_roles},
-        {"names", test_names},       {"bearers", test_bearers}, {"reports", test_reports},
-        CU_TEST_INFO_NULL,
+        {"names", test_names},       {"bearers", test_bearers}, CU_TEST_INFO_NULL,
     };
     return suite_run("broker/process_states", tests);
 }

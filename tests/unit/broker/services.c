@@ -96,9 +96,9 @@ static void test_subscriptions(void)
     HEARD("red: inform subscribe \"mapper x<3\"; red: inform came mapper green \"x=1\"",
           say("red", "subscribe", "mapper x<3"));
     HEARD("green: inform advertise mapper", say("green", "advertise", "mapper \"x=2\""));
-    HEARD("green: inform advertise mapper; red: inform went mapper green",
+    HEARD("red: inform went mapper green; green: inform advertise mapper",
           say("green", "advertise", "mapper \"x=4\""));
-    HEARD("green: inform advertise mapper; red: inform came mapper green \"x=2\"",
+    HEARD("red: inform came mapper green \"x=2\"; green: inform advertise mapper",
           say("green", "advertise", "mapper \"x=2\" 1"));
     story_tick(1000 * MS);
     HEARD("red: inform went mapper green", hear(true));

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "broker/mail/mail.h"
 #include "broker/names/names.h"
 #include "state_walk.h"
 #include "suite.h"
@@ -8,7 +9,7 @@
 static int apply_told(int state, int event)
 {
     struct mail m = {.told = (enum mail_told)state};
-    bool is_news = mail_told_on(&m, (enum mail_told_event)event);
+    bool is_news = mail_tell(&m, (enum mail_told)(event + 1));
     CU_ASSERT_EQUAL(is_news, m.told != (enum mail_told)state);
     return (int)m.told;
 }
@@ -16,7 +17,7 @@ static int apply_told(int state, int event)
 static int apply_fate(int state, int event)
 {
     struct mail m = {.fate = (enum mail_fate)state};
-    mail_fate_on(&m, (enum mail_fate_event)event);
+    mail_meets(&m, (enum mail_fate)(event + 1));
     return (int)m.fate;
 }
 
@@ -44,7 +45,6 @@ static int apply_peer(int state, int event)
 static void test_what_a_sender_was_told(void)
 {
     static const char *const rows[TOLD_STATES] = {"|SL", "|SL", "|LL"};
-    CU_ASSERT_EQUAL(TOLD_EVENTS, 2);
     state_walk(apply_told, "NSL", rows);
 }
 
@@ -53,7 +53,6 @@ static void test_the_worst_counts(void)
     static const char *const rows[FATES] = {"|PED", "|PED", "|EED", "|DDD"};
     static const muster_Outcome outcomes[FATES] = {muster_OUTCOME_DELIVERED, muster_OUTCOME_STORED,
                                                    muster_OUTCOME_EXPIRED, muster_OUTCOME_DROPPED};
-    CU_ASSERT_EQUAL(FATE_EVENTS, 3);
     state_walk(apply_fate, "TPED", rows);
     for (int fate = 0; fate < FATES; fate++) {
         struct mail m = {.fate = (enum mail_fate)fate};
