@@ -301,8 +301,8 @@ enum mailbox_room {
  *
  * @param victim  out, with MAILBOX_ROOM_DROP: the post that has to go
  */
-enum mailbox_room mailbox_room_ask(struct mailbox *m, uint32_t agent, const struct mail *mail,
-                                   uint32_t *victim);
+enum mailbox_room quota_box_ask(struct mailbox *m, uint32_t agent, const struct mail *mail,
+                                uint32_t *victim);
 
 /* --- receipts.c ------------------------------------------------------------------------------ */
 

@@ -129,8 +129,8 @@ static enum mailbox_room ask_urgent(const struct asked *ask)
                                                               : MAILBOX_ROOM_FULL;
 }
 
-enum mailbox_room mailbox_room_ask(struct mailbox *m, uint32_t agent, const struct mail *mail,
-                                   uint32_t *victim)
+enum mailbox_room quota_box_ask(struct mailbox *m, uint32_t agent, const struct mail *mail,
+                                uint32_t *victim)
 {
     struct asked ask = ask_begin(m, agent, mail);
     if (mail->letter.layer == 0) {

@@ -40,8 +40,8 @@ static bool post_put(struct broker *b, struct mail *m, uint32_t agent, bool held
     if (!mailbox_is_begun(&b->mailbox, agent)) {
         names_tell_number(&b->registry, &b->processes, agent);
     }
-    enum mailbox_room room = mailbox_room_ask(&b->mailbox, agent, m, &victim);
-    for (; room == MAILBOX_ROOM_DROP; room = mailbox_room_ask(&b->mailbox, agent, m, &victim)) {
+    enum mailbox_room room = quota_box_ask(&b->mailbox, agent, m, &victim);
+    for (; room == MAILBOX_ROOM_DROP; room = quota_box_ask(&b->mailbox, agent, m, &victim)) {
         post_drop(b, victim, agent);
     }
     if (room != MAILBOX_ROOM_FITS || mailbox_put(&b->mailbox, agent, m, held) != MU_OK) {

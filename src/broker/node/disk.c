@@ -12,121 +12,39 @@ enum { LOG_PAGES_MAX = 4096 };
 /* So long nothing must have been written for the log to be copied in a quiet moment. */
 static const uint64_t QUIET_NS = 1000000000;
 
-const char *const disk_line_words[LINES_KINDS] = {
-    [LINES_GROUPS] = "group", [LINES_SERVICES] = "service"};
-
-/* --- rows ------------------------------------------------------------------------------------- */
-
-/* A statement whose parameters are bound one after the other. */
-struct filling {
-    sqlite3_stmt *statement;
-    int count;
-};
-
-static struct filling fill(struct disk *d, enum disk_statement which)
-{
-    return (struct filling){.statement = d->statements[which]};
-}
-
-/* What is empty takes no room.  The text must stay until the statement has run. */
-static void fill_text(struct filling *f, const char *s)
-{
-    if (s && s[0]) {
-        sqlite3_bind_text(f->statement, ++f->count, s, -1, SQLITE_STATIC);
-    } else {
-        sqlite3_bind_null(f->statement, ++f->count);
-    }
-}
-
-static void fill_number(struct filling *f, uint64_t number)
-{
-    sqlite3_bind_int64(f->statement, ++f->count, (int64_t)number);
-}
-
-static void fill_number_or_null(struct filling *f, uint64_t number)
-{
-    if (number) {
-        fill_number(f, number);
-    } else {
-        sqlite3_bind_null(f->statement, ++f->count);
-    }
-}
-
-static bool put_agent(struct disk *d, const struct journal_entry *e)
-{
-    struct filling f = fill(d, DISK_PUT_AGENT);
-    fill_text(&f, e->name);
-    fill_text(&f, e->agent_kind == JOURNAL_ENDED ? DISK_ENDED : validate_kind_word(e->agent_kind));
-    fill_number(&f, e->durable_seq);
-    fill_number(&f, e->reserved_seq);
-    fill_number(&f, e->failed_seq);
-    return disk_step(f.statement);
-}
-
-static bool set_waiting(struct disk *d, const struct journal_entry *e)
-{
-    struct filling f = fill(d, DISK_PUT_WAITS);
-    fill_number(&f, e->row);
-    fill_text(&f, e->waiting);
-    return disk_step(f.statement);
-}
-
-static bool put_line(struct disk *d, const struct journal_entry *e)
-{
-    struct filling f = fill(d, e->line.key ? DISK_PUT_LINE : DISK_DROP_LINE);
-    fill_text(&f, disk_line_words[e->lines]);
-    fill_number(&f, e->slot);
-    if (e->line.key) {
-        fill_text(&f, e->line.key);
-        fill_text(&f, e->line.agent);
-        fill_number(&f, e->line.present);
-        fill_text(&f, e->line.attributes);
-        fill_number_or_null(&f, e->line.lease_ns);
-        fill_number(&f, e->line.stamp_ns);
-        fill_text(&f, e->line.origin);
-    }
-    return disk_step(f.statement);
-}
-
-static bool drop_lines(struct disk *d, const struct journal_entry *e)
-{
-    struct filling f = fill(d, DISK_DROP_LINES);
-    fill_text(&f, disk_line_words[e->lines]);
-    return disk_step(f.statement);
-}
-
-static bool put_capsule(struct disk *d, const struct journal_entry *e)
-{
-    struct filling f = fill(d, e->snapshot[0] ? DISK_PUT_CAPSULE : DISK_DROP_CAPSULE);
-    fill_text(&f, e->name);
-    if (e->snapshot[0]) {
-        fill_number(&f, e->epoch);
-        fill_text(&f, e->snapshot);
-    }
-    return disk_step(f.statement);
-}
-
-static bool put_clock(struct disk *d, const struct journal_entry *e)
-{
-    struct filling f = fill(d, DISK_PUT_META);
-    fill_text(&f, "run_wall_ns");
-    fill_number(&f, e->run_wall_ns);
-    return disk_step(f.statement);
-}
-
 /* --- transactions ----------------------------------------------------------------------------- */
+
+/* @return the statement for an entry that is a row of its own */
+static enum disk_statement statement_of(const struct journal_entry *e)
+{
+    switch (e->kind) {
+    case JOURNAL_AGENT: return DISK_PUT_AGENT;
+    case JOURNAL_WAITING: return DISK_PUT_WAITS;
+    case JOURNAL_LINE: return e->line.key ? DISK_PUT_LINE : DISK_DROP_LINE;
+    case JOURNAL_RESET: return DISK_DROP_LINES;
+    case JOURNAL_CLOCK: return DISK_PUT_CLOCK;
+    case JOURNAL_SNAPSHOT: return e->snapshot[0] ? DISK_PUT_CAPSULE : DISK_DROP_CAPSULE;
+    case JOURNAL_MAIL:
+    case JOURNAL_GONE: break;
+    }
+    return DISK_STATEMENTS;
+}
+
+static bool entry_write(struct disk *d, const struct journal_entry *e)
+{
+    if (e->kind == JOURNAL_MAIL) {
+        return disk_bundle_put(d, e);
+    }
+    return e->kind == JOURNAL_GONE ? disk_bundle_drop(d, e)
+                                   : disk_row_put(d->statements[statement_of(e)], e);
+}
 
 static bool entries_write(struct disk *d, struct broker *b)
 {
-    static bool (*const write[])(struct disk *, const struct journal_entry *) = {
-        [JOURNAL_AGENT] = put_agent,     [JOURNAL_MAIL] = disk_bundle_put,
-        [JOURNAL_WAITING] = set_waiting, [JOURNAL_GONE] = disk_bundle_drop,
-        [JOURNAL_LINE] = put_line,       [JOURNAL_RESET] = drop_lines,
-        [JOURNAL_CLOCK] = put_clock,     [JOURNAL_SNAPSHOT] = put_capsule};
     struct journal_entry e;
     disk_bundle_begin(d);
     while (journal_next(b, &e)) {
-        if (!write[e.kind](d, &e)) {
+        if (!entry_write(d, &e)) {
             return false;
         }
     }

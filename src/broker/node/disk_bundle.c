@@ -47,114 +47,15 @@ const char disk_bundle_tables[] =
     "  waiting TEXT);           -- the others, and how it ends\n"
     "CREATE VIEW mails AS " SELECT_MAILS ";";
 
-const char disk_bundle_select[] = SELECT_MAILS " ORDER BY b.id, j.key";
+const char disk_bundle_select[] =
+    "SELECT id, sender, seq, waiting, level, dst, layer, performative, content, expires_wall_ns,"
+    "  language, ontology, reply_with, in_reply_to, conversation, reply_by_ns, priority, hops,"
+    "  due_1_ns, ttl_ns FROM (" SELECT_MAILS " ORDER BY b.id, j.key)";
 
 const char disk_bundle_upgrade[] =
     "INSERT INTO bundles SELECT id, 1, json_array(json_array(sender, seq, waiting, level, dst,"
     "  layer, performative, content, expires_wall_ns, language, ontology, reply_with, in_reply_to,"
     "  conversation, reply_by_ns, priority, hops, due_1_ns, ttl_ns)) FROM mails_2;";
-
-/* --- a mail as JSON --------------------------------------------------------------------------- */
-
-/* What must not stand in a string as it is, such as a quote, is written by its code. */
-static void add_coded(struct mu_text *t, char c)
-{
-    char quoted[2] = {'\\', c};
-    if (c == '"' || c == '\\') {
-        mu_text_add_bytes(t, quoted, sizeof quoted);
-    } else {
-        mu_text_format(t, "\\u%04x", (unsigned)(unsigned char)c);
-    }
-}
-
-/* What is no UTF-8 stays as it is, too: SQLite gives it back. */
-static void add_string(struct mu_text *t, const char *s)
-{
-    mu_text_add_bytes(t, "\"", 1);
-    for (;;) {
-        size_t plain = 0;
-        while ((unsigned char)s[plain] >= ' ' && s[plain] != '"' && s[plain] != '\\') {
-            plain++;
-        }
-        mu_text_add_bytes(t, s, plain);
-        s += plain;
-        if (*s == '\0') {
-            break;
-        }
-        add_coded(t, *s++);
-    }
-    mu_text_add_bytes(t, "\"", 1);
-}
-
-static void add_number(struct mu_text *t, int64_t number)
-{
-    char digits[24];
-    char *at = digits + sizeof digits;
-    uint64_t left = number < 0 ? 0 - (uint64_t)number : (uint64_t)number;
-    do {
-        *--at = (char)('0' + left % 10);
-        left /= 10;
-    } while (left > 0);
-    if (number < 0) {
-        *--at = '-';
-    }
-    mu_text_add_bytes(t, at, (size_t)(digits + sizeof digits - at));
-}
-
-static void add_next_string(struct mu_text *t, const char *s)
-{
-    mu_text_add_bytes(t, ",", 1);
-    add_string(t, s ? s : "");
-}
-
-/* A number that uses its highest bit comes back as it was, by way of a negative one. */
-static void add_next_number(struct mu_text *t, uint64_t number)
-{
-    mu_text_add_bytes(t, ",", 1);
-    add_number(t, (int64_t)number);
-}
-
-static void add_rare(struct mu_text *t, const struct journal_entry *e)
-{
-    const muster_Mail *m = &e->letter;
-    const char *const strings[] = {m->language, m->ontology, m->reply_with, m->in_reply_to,
-                                   m->conversation};
-    const uint64_t numbers[] = {m->reply_by_ns, (uint64_t)(int64_t)m->priority, m->hops,
-                                (uint64_t)m->due_ns + 1, m->ttl_ns};
-    bool any = e->expires_wall_ns > 0;
-    for (size_t i = 0; i < sizeof strings / sizeof strings[0]; i++) {
-        any = any || (strings[i] && strings[i][0]);
-    }
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
-        any = any || numbers[i] > 0;
-    }
-    if (!any) {
-        return;
-    }
-    add_next_number(t, e->expires_wall_ns);
-    for (size_t i = 0; i < sizeof strings / sizeof strings[0]; i++) {
-        add_next_string(t, strings[i]);
-    }
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
-        add_next_number(t, numbers[i]);
-    }
-}
-
-static void add_mail(struct mu_text *t, const struct journal_entry *e)
-{
-    const muster_Mail *m = &e->letter;
-    mu_text_add(t, t->len ? ",\n[" : "[[");
-    add_string(t, m->src);
-    add_next_number(t, m->seq);
-    add_next_string(t, e->waiting);
-    add_next_number(t, m->level);
-    add_next_string(t, m->dst);
-    add_next_number(t, m->layer);
-    add_next_string(t, m->performative);
-    add_next_string(t, m->content);
-    add_rare(t, e);
-    mu_text_add_bytes(t, "]", 1);
-}
 
 /* --- writing ---------------------------------------------------------------------------------- */
 
@@ -197,7 +98,7 @@ bool disk_bundle_put(struct disk *d, const struct journal_entry *e)
     }
     in_hand->first = in_hand->count ? in_hand->first : e->row;
     in_hand->count++;
-    add_mail(&in_hand->text, e);
+    disk_row_add_mail(&in_hand->text, e);
     return true;
 }
 

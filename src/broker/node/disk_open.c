@@ -9,6 +9,7 @@
 
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Comments stand in the file, too: `.schema` shows them. */
@@ -53,7 +54,7 @@ static const char *const statements[DISK_STATEMENTS] = {
     [DISK_PUT_LINE] = "INSERT OR REPLACE INTO lines VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
     [DISK_DROP_LINE] = "DELETE FROM lines WHERE kind = ? AND slot = ?",
     [DISK_DROP_LINES] = "DELETE FROM lines WHERE kind = ?",
-    [DISK_PUT_META] = "INSERT OR REPLACE INTO meta VALUES (?, ?)",
+    [DISK_PUT_CLOCK] = "INSERT OR REPLACE INTO meta VALUES ('run_wall_ns', ?)",
     [DISK_PUT_CAPSULE] = "INSERT OR REPLACE INTO capsules VALUES (?, ?, ?)",
     [DISK_DROP_CAPSULE] = "DELETE FROM capsules WHERE agent = ?",
 };
@@ -306,4 +307,48 @@ uint64_t disk_incarnation(const struct disk *d)
 uint64_t disk_number_base(const struct disk *d)
 {
     return d->number_base;
+}
+
+bool disk_default_path(char *path, size_t size, int domain, const char *broker)
+{
+    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
+    struct mu_text t = mu_text_in(path, size);
+    if (state && state[0] == '/') {
+        mu_text_add(&t, state);
+    } else if (home && home[0] == '/') {
+        mu_text_format(&t, "%s/.local/state", home);
+    } else {
+        return false;
+    }
+    mu_text_format(&t, "/muster/%d-%s.db", domain, broker);
+    return !t.cut;
+}
+
+mu_result disk_load(struct disk *d, struct broker *b, uint64_t *refused)
+{
+    const struct {
+        const char *sql;
+        enum journal_kind kind;
+    } tables[] = {
+        {"SELECT * FROM agents", JOURNAL_AGENT},
+        {"SELECT * FROM lines", JOURNAL_LINE},
+        {"SELECT value FROM meta WHERE key = 'run_wall_ns' AND value != 0", JOURNAL_CLOCK},
+        {"SELECT * FROM capsules", JOURNAL_SNAPSHOT},
+        {disk_bundle_select, JOURNAL_MAIL},
+    };
+    *refused = 0;
+    for (size_t i = 0; i < sizeof tables / sizeof tables[0]; i++) {
+        sqlite3_stmt *s = NULL;
+        int result = sqlite3_prepare_v2(d->db, tables[i].sql, -1, &s, NULL);
+        while (result == SQLITE_OK && sqlite3_step(s) == SQLITE_ROW) {
+            struct journal_entry e = {.kind = tables[i].kind};
+            disk_row_take(s, &e);
+            *refused += !durable_restore(b, &e);
+        }
+        if (sqlite3_finalize(s) != SQLITE_OK || result != SQLITE_OK) {
+            fprintf(stderr, "muster broker: %s: %s\n", d->path, sqlite3_errmsg(d->db));
+            return MU_FAULT_FILE;
+        }
+    }
+    return MU_OK;
 }

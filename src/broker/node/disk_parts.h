@@ -33,7 +33,7 @@ enum disk_statement {
     DISK_PUT_LINE,
     DISK_DROP_LINE,
     DISK_DROP_LINES,
-    DISK_PUT_META,
+    DISK_PUT_CLOCK,
     DISK_PUT_CAPSULE,
     DISK_DROP_CAPSULE,
     DISK_STATEMENTS
@@ -60,20 +60,34 @@ struct disk {
     uint64_t wrote_ns;
 };
 
-/** The kind of a name that has ended, in the store. */
-#define DISK_ENDED "ended"
-
-/** The words for lines in the store, one for each enum lines_kind. */
-extern const char *const disk_line_words[LINES_KINDS];
-
 /** @return whether the script ran; if not, sqlite3_errmsg says why */
-bool disk_run(struct disk *d, const char *sql);
+static inline bool disk_run(struct disk *d, const char *sql)
+{
+    return sqlite3_exec(d->db, sql, NULL, NULL, NULL) == SQLITE_OK;
+}
 
 /** @return whether a statement without rows ran; it can be bound anew */
-bool disk_step(sqlite3_stmt *statement);
+static inline bool disk_step(sqlite3_stmt *statement)
+{
+    int result = sqlite3_step(statement);
+    (void)sqlite3_reset(statement); /* says again what the step has said */
+    return result == SQLITE_DONE;
+}
 
 /** Notes this life in the store.  @return whether it went */
 bool disk_incarnation_put(struct disk *d);
+
+/* --- disk_rows.c ----------------------------------------------------------------------------- */
+
+/** Runs a statement with as many fields of an entry as it has parameters.  @return whether it ran
+ */
+bool disk_row_put(sqlite3_stmt *statement, const struct journal_entry *e);
+
+/** Reads a row into an entry of its kind; its texts are valid until the next row. */
+void disk_row_take(sqlite3_stmt *statement, struct journal_entry *e);
+
+/** Adds a new mail to the JSON of a bundle. */
+void disk_row_add_mail(struct mu_text *t, const struct journal_entry *e);
 
 /* --- disk_bundle.c --------------------------------------------------------------------------- */
 
@@ -89,7 +103,7 @@ bool disk_incarnation_put(struct disk *d);
 /** Makes the tables, and a view that shows a line a mail; for sqlite3_exec. */
 extern const char disk_bundle_tables[];
 
-/** Gives the lines of that view in order of number. */
+/** Gives the lines of that view in order of number, as disk_row_take reads them. */
 extern const char disk_bundle_select[];
 
 /** Moves the mails of a store of version 2 from their rows into bundles. */

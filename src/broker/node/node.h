@@ -314,13 +314,9 @@ uint64_t disk_incarnation(const struct disk *d);
 /** @return a number far above all that boxes of earlier brokers on this store have counted */
 uint64_t disk_number_base(const struct disk *d);
 
-/* --- disk_path.c ----------------------------------------------------------------------------- */
-
 /** Makes the default path, in $XDG_STATE_HOME/muster or ~/.local/state/muster.
  *  @return false: there is no home, or the path is too long */
 bool disk_default_path(char *path, size_t size, int domain, const char *broker);
-
-/* --- disk_load.c ----------------------------------------------------------------------------- */
 
 /** Gives all that is stored to durable_restore.  @return how much of it was not taken, or a fault
  *          that is explained on standard error: the file is damaged */
