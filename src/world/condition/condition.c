@@ -304,26 +304,31 @@ bool condition_holds(const struct condition *c, const struct condition_view *vie
     return holds != c->negated;
 }
 
+/* @return whether a word is in a list */
+static bool list_has(const char *list, const char *word, char separator)
+{
+    size_t len = strlen(word);
+    const char between[] = {separator, '\0'};
+    for (const char *at = list; *at; at += strcspn(at, between), at += *at == separator) {
+        if (strncmp(at, word, len) == 0 && (at[len] == '\0' || at[len] == separator)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 bool condition_told(const struct condition *c, const char *content, const char *to)
 {
     size_t len = strlen(c->word);
     const char *first = content + strspn(content, " ");
     bool same = strncmp(first, c->word, len) == 0 && (first[len] == '\0' || first[len] == ' ');
-    return c->kind == CONDITION_TOLD && same && (!c->to[0] || strcmp(c->to, to) == 0);
+    return c->kind == CONDITION_TOLD && same &&
+           (!c->to[0] || strcmp(c->to, to) == 0 || list_has(to, c->to, ','));
 }
 
 bool condition_fired(const struct condition *c, const char *rules)
 {
-    size_t len = strlen(c->word);
-    if (c->kind != CONDITION_FIRED) {
-        return false;
-    }
-    for (const char *at = rules; *at; at += strcspn(at, " "), at += *at == ' ') {
-        if (strncmp(at, c->word, len) == 0 && (at[len] == '\0' || at[len] == ' ')) {
-            return true;
-        }
-    }
-    return false;
+    return c->kind == CONDITION_FIRED && list_has(rules, c->word, ' ');
 }
 
 bool condition_watch_look(struct condition_watch *w, const struct condition_view *view)

@@ -11,7 +11,8 @@
  *     red at 1.5 -2 0.5            x, y and how near, in metres
  *     red stalled                  it is held up
  *     red told near-wall           it has sent a mail in this step whose content begins so; with
- *     red told near-wall to blue   `to`, whose receiver is written so
+ *     red told near-wall to blue   `to`, whose receiver is written so, alone or among several; an
+ *                                  address is not resolved
  *     red fired turn-away          a rule of it has fired in this step
  *
  * An agent without a body has told and fired alone.

@@ -90,6 +90,9 @@ static void test_what_happens(void)
     CU_ASSERT(!condition_told(&c, "near-walls", "all"));
     CU_ASSERT(!condition_told(&c, "is near-wall", "all"));
     CU_ASSERT(!condition_told(&c, "", "all"));
+    CU_ASSERT_EQUAL(condition_read(&c, "red told x to blue", &names, why), MU_OK);
+    CU_ASSERT(condition_told(&c, "x", "blue") && condition_told(&c, "x", "green,blue"));
+    CU_ASSERT(!condition_told(&c, "x", "bluer,green") && !condition_told(&c, "x", "role:blue"));
     CU_ASSERT_EQUAL(condition_read(&c, "red not told x to group:g", &names, why), MU_OK);
     CU_ASSERT(condition_told(&c, "x", "group:g") && !condition_told(&c, "x", "blue"));
     CU_ASSERT(!condition_holds(&c, &view, true) && condition_holds(&c, &view, false));
