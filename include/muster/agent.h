@@ -103,7 +103,7 @@ struct mu_mail {
 enum mu_paddles { MU_PADDLES_OPEN = -1, MU_PADDLES_KEEP, MU_PADDLES_CLOSE };
 enum mu_lift { MU_LIFT_DOWN = -1, MU_LIFT_KEEP, MU_LIFT_UP };
 
-/* A line of the white pages. */
+/* A line of the white pages.  A version adds members at the end. */
 struct mu_member {
     char name[MU_NAME_MAX + 1];
     enum mu_kind kind;
@@ -117,7 +117,12 @@ struct mu_member {
     char reason[MU_FIELD_MAX + 1]; /* why it suspended itself, for people; "" otherwise */
 };
 
-struct mu_service; /* directory.h */
+/* A line of the yellow pages (directory.h).  A version adds members at the end. */
+struct mu_service {
+    char service[MU_NAME_MAX + 1];
+    char agent[MU_NAME_MAX + 1];
+    char attributes[MU_ATTRIBUTES_MAX + 1]; /* key=value, separated by spaces */
+};
 
 /* Events that an agent can hear of; any handler may be NULL.  Arguments are valid in the handler
  * only.  A version adds members at the end. */
@@ -150,6 +155,41 @@ struct mu_handlers {
      */
     void (*on_service)(void *self, mu_agent *a, const struct mu_service *service, bool came);
 };
+
+/* --- kinds of agents: kind.h ------------------------------------------------------------------ */
+
+/* The result of a handler. */
+enum mu_take {
+    MU_PASS,    /* not mine: ask the next one */
+    MU_TAKEN,   /* done, answered if an answer was wanted */
+    MU_DECLINE, /* mine, and refused: the runtime answers `refuse`, unless the mail was an answer */
+};
+
+struct mu_layer_handler {
+    uint32_t layer;           /* 0 ends a table */
+    const char *performative; /* NULL: every one */
+    enum mu_take (*take)(void *self, mu_agent *a, const struct mu_mail *mail);
+};
+
+/* Events of an agent's life. */
+enum mu_event {
+    MU_ON_CREATE,  /* the broker has accepted its name for the first time */
+    MU_ON_RUN,     /* it begins to run: when it is created, or when it is started */
+    MU_ON_ARRIVE,  /* it has moved here */
+    MU_ON_LEAVE,   /* it is about to move */
+    MU_ON_CLONE,   /* it is a copy of another one */
+    MU_ON_DISPOSE, /* it is about to go for good; mail that it sends now still goes out */
+    MU_EVENTS
+};
+
+struct mu_agent_kind {
+    const char *name;
+    const struct mu_agent_kind *parent;      /* NULL: mu_base_kind */
+    const struct mu_layer_handler *handlers; /* ends with layer 0; NULL: none of its own */
+    void (*hooks[MU_EVENTS])(void *self, mu_agent *a); /* NULL: the parent's is called */
+};
+
+/* --- a process -------------------------------------------------------------------------------- */
 
 /** Domain 0, whatever the environment says. */
 #define MU_DOMAIN_ZERO (-2147483647 - 1)
@@ -186,8 +226,8 @@ MU_MUST_USE mu_result mu_process_open(mu_process **out, const struct mu_process_
  * itself: its structs are then taken for those of this library.
  *
  * @param version  MU_VERSION of the program
- * @param sizes    mu_process_sizes of the program: options and handlers may be shorter than the
- *                 library's, the rest is as long
+ * @param sizes    mu_process_sizes of the program: structs to which a version adds members at the
+ *                 end may be shorter than the library's, the rest is as long
  * @return as mu_process_open
  */
 MU_MUST_USE mu_result mu_process_open_built(mu_process **out,
@@ -392,6 +432,10 @@ static inline const uint32_t *mu_process_sizes(void)
                                      (uint32_t)sizeof(struct mu_blob),
                                      (uint32_t)sizeof(struct mu_fiducial),
                                      (uint32_t)sizeof(struct mu_passage),
+                                     (uint32_t)sizeof(struct mu_member),
+                                     (uint32_t)sizeof(struct mu_service),
+                                     (uint32_t)sizeof(struct mu_layer_handler),
+                                     (uint32_t)sizeof(struct mu_agent_kind),
                                      0};
     return sizes;
 }

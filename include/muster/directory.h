@@ -44,13 +44,6 @@ const char *mu_process_group_member(const mu_process *p, const char *group, size
 /** @return whether the agent is a member of the group */
 bool mu_process_in_group(const mu_process *p, const char *group, const char *agent);
 
-/* A line of the yellow pages. */
-struct mu_service {
-    char service[MU_NAME_MAX + 1];
-    char agent[MU_NAME_MAX + 1];
-    char attributes[MU_ATTRIBUTES_MAX + 1]; /* key=value, separated by spaces */
-};
-
 /**
  * Offers a service; offering it again replaces the attributes and renews the lease.
  *

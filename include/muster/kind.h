@@ -10,7 +10,8 @@
  * numbers: a new one needs a handler and nothing else.  A directive never comes here: the runtime
  * carries it out.
  *
- * Kinds are constant and outlive their agents; self is mu_handlers.self.
+ * Kinds (struct mu_agent_kind, agent.h) are constant and outlive their agents; self is
+ * mu_handlers.self.
  */
 #ifndef MUSTER_KIND_H
 #define MUSTER_KIND_H
@@ -21,37 +22,6 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* The result of a handler. */
-enum mu_take {
-    MU_PASS,    /* not mine: ask the next one */
-    MU_TAKEN,   /* done, answered if an answer was wanted */
-    MU_DECLINE, /* mine, and refused: the runtime answers `refuse`, unless the mail was an answer */
-};
-
-struct mu_layer_handler {
-    uint32_t layer;           /* 0 ends a table */
-    const char *performative; /* NULL: every one */
-    enum mu_take (*take)(void *self, mu_agent *a, const struct mu_mail *mail);
-};
-
-/* Events of an agent's life. */
-enum mu_event {
-    MU_ON_CREATE,  /* the broker has accepted its name for the first time */
-    MU_ON_RUN,     /* it begins to run: when it is created, or when it is started */
-    MU_ON_ARRIVE,  /* it has moved here */
-    MU_ON_LEAVE,   /* it is about to move */
-    MU_ON_CLONE,   /* it is a copy of another one */
-    MU_ON_DISPOSE, /* it is about to go for good; mail that it sends now still goes out */
-    MU_EVENTS
-};
-
-struct mu_agent_kind {
-    const char *name;
-    const struct mu_agent_kind *parent;      /* NULL: mu_base_kind */
-    const struct mu_layer_handler *handlers; /* ends with layer 0; NULL: none of its own */
-    void (*hooks[MU_EVENTS])(void *self, mu_agent *a); /* NULL: the parent's is called */
-};
 
 /**
  * The behaviour that every agent has.

@@ -123,6 +123,7 @@ enum mu_run_end {
     MU_RUN_LOST   /* its simulator has gone without a word */
 };
 
+/* A version adds members at the end. */
 struct mu_run_result {
     enum mu_run_end end;
     int64_t step;
@@ -210,6 +211,10 @@ static inline const uint32_t *mu_watch_sizes(void)
                                      (uint32_t)sizeof(struct mu_object_view),
                                      (uint32_t)sizeof(struct mu_act_view),
                                      (uint32_t)sizeof(struct mu_mail),
+                                     (uint32_t)sizeof(struct mu_agent_view),
+                                     (uint32_t)sizeof(struct mu_scene),
+                                     (uint32_t)sizeof(struct mu_frame),
+                                     (uint32_t)sizeof(struct mu_run_result),
                                      0};
     return sizes;
 }

@@ -21,7 +21,7 @@ extern "C" {
 #pragma GCC diagnostic ignored "-Wshadow"
 #endif
 
-/* One robot; shares are 0 to 1. */
+/* One robot; shares are 0 to 1.  A version adds members at the end. */
 struct mu_stats_robot {
     char name[MU_NAME_MAX + 1];
     enum mu_state state;
@@ -40,7 +40,7 @@ struct mu_stats_robot {
     double goal_s; /* how long it took there; until it is there, how long it has been on its way */
 };
 
-/* One agent without a body, of those that the run began with. */
+/* One agent without a body, of those that the run began with; likewise. */
 struct mu_stats_agent {
     char name[MU_NAME_MAX + 1];
     enum mu_state state;
@@ -71,8 +71,15 @@ struct mu_stats_pair {
 
 typedef struct mu_stats mu_stats;
 
-/** Takes the memory for worlds of any size that a Scene can have. */
+/**
+ * Takes the memory for worlds of any size that a Scene can have.
+ *
+ * @return NULL: the program was built with headers of another version that do not fit this library
+ */
 mu_stats *mu_stats_open(void);
+
+/** What mu_stats_open is in C and C++, as mu_process_open_built.  @param sizes  mu_stats_sizes */
+mu_stats *mu_stats_open_built(const char *version, const uint32_t *sizes);
 
 /** Begins anew, with another run.  @param scene  NULL: it is not known */
 void mu_stats_begin(mu_stats *s, const struct mu_scene *scene);
@@ -132,6 +139,17 @@ bool mu_stats_pair(const mu_stats *s, size_t index, struct mu_stats_pair *pair);
  *         the time
  */
 double mu_stats_efficiency(double distance_m, double time_s, double stalled_s, double step_s);
+
+/* As mu_process_sizes. */
+static inline const uint32_t *mu_stats_sizes(void)
+{
+    static const uint32_t sizes[] = {
+        (uint32_t)sizeof(struct mu_stats_robot), (uint32_t)sizeof(struct mu_stats_agent),
+        (uint32_t)sizeof(struct mu_stats_team), (uint32_t)sizeof(struct mu_stats_pair), 0};
+    return sizes;
+}
+
+#define mu_stats_open() mu_stats_open_built(MU_VERSION, mu_stats_sizes())
 
 #ifdef __cplusplus
 #pragma GCC diagnostic pop

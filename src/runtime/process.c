@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "runtime/process.h"
 
+#include "core/built.h"
 #include "core/clock.h"
 #include "core/signals.h"
 #include "muster/kind.h"
 #include "muster/memory.h"
-#include "runtime/built.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -108,7 +108,11 @@ static const struct built_struct structs[] = {
     {"mu_percept", sizeof(struct mu_percept), false},
     {"mu_blob", sizeof(struct mu_blob), false},
     {"mu_fiducial", sizeof(struct mu_fiducial), false},
-    {"mu_passage", sizeof(struct mu_passage), false}};
+    {"mu_passage", sizeof(struct mu_passage), false},
+    {"mu_member", sizeof(struct mu_member), true},
+    {"mu_service", sizeof(struct mu_service), true},
+    {"mu_layer_handler", sizeof(struct mu_layer_handler), false},
+    {"mu_agent_kind", sizeof(struct mu_agent_kind), false}};
 
 mu_result(mu_process_open)(mu_process **out, const struct mu_process_options *options)
 {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "runtime/watch.h"
 
+#include "core/built.h"
 #include "core/clock.h"
 #include "core/signals.h"
 #include "core/text.h"
 #include "muster/memory.h"
-#include "runtime/built.h"
 #include "runtime/process.h"
 
 #include <limits.h>
@@ -117,7 +117,11 @@ static const struct built_struct structs[] = {
     {"mu_robot_view", sizeof(struct mu_robot_view), false},
     {"mu_object_view", sizeof(struct mu_object_view), false},
     {"mu_act_view", sizeof(struct mu_act_view), false},
-    {"mu_mail", sizeof(struct mu_mail), false}};
+    {"mu_mail", sizeof(struct mu_mail), false},
+    {"mu_agent_view", sizeof(struct mu_agent_view), false},
+    {"mu_scene", sizeof(struct mu_scene), false},
+    {"mu_frame", sizeof(struct mu_frame), false},
+    {"mu_run_result", sizeof(struct mu_run_result), true}};
 
 mu_result(mu_watch_open)(mu_watch **out, mu_process *p, const struct mu_watch_options *options)
 {

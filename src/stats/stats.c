@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "muster/stats.h"
 
+#include "core/built.h"
 #include "core/rounded.h"
 #include "core/text.h"
 #include "muster/memory.h"
@@ -48,8 +49,22 @@ double mu_stats_efficiency(double distance_m, double time_s, double stalled_s, d
     return stalled_s > time_s / 2 ? 0 : distance_m / fmax(time_s - stalled_s, step_s);
 }
 
-mu_stats *mu_stats_open(void)
+static const struct built_struct structs[] = {
+    {"mu_stats_robot", sizeof(struct mu_stats_robot), true},
+    {"mu_stats_agent", sizeof(struct mu_stats_agent), true},
+    {"mu_stats_team", sizeof(struct mu_stats_team), false},
+    {"mu_stats_pair", sizeof(struct mu_stats_pair), false}};
+
+mu_stats *(mu_stats_open)(void)
 {
+    return mu_stats_open();
+}
+
+mu_stats *mu_stats_open_built(const char *version, const uint32_t *sizes)
+{
+    if (!built_fits(version, sizes, structs, sizeof structs / sizeof structs[0])) {
+        return NULL;
+    }
     mu_stats *s = mu_startup_alloc(sizeof *s);
     s->explored = explored_reserve(MU_ROBOTS_MAX);
     s->approach = approach_reserve();

@@ -3,8 +3,8 @@
  * @file built.h
  * The structs of a program that another version of the headers may have built.
  */
-#ifndef MUSTER_RUNTIME_BUILT_H
-#define MUSTER_RUNTIME_BUILT_H
+#ifndef MUSTER_CORE_BUILT_H
+#define MUSTER_CORE_BUILT_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -13,7 +13,7 @@
 struct built_struct {
     const char *name;
     uint32_t size; /* in this library */
-    bool grows;    /* the program fills it, and may know less of it */
+    bool grows;    /* the program may know less of it: its end is new */
 };
 
 /**

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "runtime/built.h"
+#include "core/built.h"
 
 #include "muster/version.h"
 
