@@ -609,6 +609,10 @@ fmt: ## format every source file in place (clang-format)
 fmt-check: ## fail if a file is not formatted
 	@clang-format --dry-run --Werror $(SOURCES)
 
+.PHONY: interface
+interface: all ## write down the interface of this version: what libmuster.so.0 exports, the types of the wire
+	@tools/interface --write
+
 docs: all ## print the reference pages from the tables in the code
 	@tools/make-reference $(O)/bin
 
