@@ -58,9 +58,12 @@ override CPPFLAGS += -Iinclude -Isrc -isystem $(O)/gen -isystem $(CLIPS)/core
 # Under the address sanitizer CLIPS has no pools: each block is seen.
 override CPPFLAGS += $(if $(filter asan,$(BUILD)),-DMEM_TABLE_SIZE=0)
 
+# How far the compiler goes: LEVEL=-O0, -O3.
+LEVEL ?= -O2
+
 # Bit-identical runs need the same arithmetic everywhere: no fused multiply-add behind our back.
 # Tables for unwinding are with the debug information alone: nothing of ours throws.
-FLAGS_release  := -O2 -g -ffp-contract=off -fno-math-errno -fno-asynchronous-unwind-tables
+FLAGS_release  := $(LEVEL) -g -ffp-contract=off -fno-math-errno -fno-asynchronous-unwind-tables
 FLAGS_asan     := -O1 -g -ffp-contract=off -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 FLAGS_coverage := -O0 -g -ffp-contract=off --coverage
 ifeq ($(FLAGS_$(BUILD)),)
@@ -75,10 +78,12 @@ NO_BUILTIN := $(addprefix -fno-builtin-,$(ELEMENTARY))
 CFLAGS  += $(CSTD) $(WARN) $(WERROR) $(FLAGS_$(BUILD)) $(FLAGS_$(MACHINE)) $(NO_BUILTIN) $(SHARED) -MD -MP
 LDFLAGS += $(filter -fsanitize% --coverage,$(FLAGS_$(BUILD))) -Wl,--gc-sections $(EXACT:%=-L%)
 
-# What everything is compiled and linked with: when that changes, all is built again.
-$(O)/flags: FORCE
+# What a folder's objects are compiled and linked with: when that changes, they are built again.
+quoted = '$(subst ','\'',$(1))'
+$(O)/flags: FLAGS := $(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS)
+%/flags: FORCE
 	@mkdir -p $(@D)
-	$(Q)echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS)' | cmp -s - $@ || echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS)' > $@
+	$(Q)echo $(call quoted,$(FLAGS)) | cmp -s - $@ || echo $(call quoted,$(FLAGS)) > $@
 .PHONY: FORCE
 FORCE:
 
@@ -187,15 +192,13 @@ $(PROGRAMS): $(O)/bin/%: $(O)/src/$$(MAIN_$$*)/main.o $$(call module_objs,$$(MAI
 # address sanitizer, which sees each block of it.  Its own undefined behaviour is let be: docs/clips.md.
 CLIPS_O      := $(CLIPS)$(CROSS:%=/%)$(if $(filter asan,$(BUILD)),/asan)
 CLIPS_CFLAGS := -std=gnu89 -w -g -ffp-contract=off $(NO_BUILTIN) -fno-strict-aliasing -fPIE -ffunction-sections -fdata-sections \
-                $(if $(filter asan,$(BUILD)),-O1 -fsanitize=address -fno-omit-frame-pointer -DMEM_TABLE_SIZE=0,-O2)
+                $(if $(filter asan,$(BUILD)),-O1 -fsanitize=address -fno-omit-frame-pointer -DMEM_TABLE_SIZE=0,$(LEVEL))
 PORT_ENVIRONMENT := envrnmnt
 PORT_MEMORY      := memalloc
 PORT_CALLS       := dffnxexe engine genrcexe msgpass
 $(CLIPS)/core/whole: tools/source patches/clips $(wildcard patches/clips/*.patch) | deps
 	$(Q)tools/source clips $(CLIPS) && touch $@
-$(CLIPS_O)/flags: FORCE
-	@mkdir -p $(@D)
-	$(Q)echo '$(CLIPS_CFLAGS)' | cmp -s - $@ || echo '$(CLIPS_CFLAGS)' > $@
+$(CLIPS_O)/flags: FLAGS := $(CLIPS_CFLAGS)
 $(CLIPS_O)/libclips.a: $(CLIPS)/core/whole src/mind/engine/port.h $(CLIPS_O)/flags
 	@mkdir -p $(@D); echo "  CC    $(CLIPS)/core/*.c"
 	$(Q)ls $(CLIPS)/core/*.c | sed 's|.*/||;s|\.c$$||;/^main$$/d' | \
@@ -210,13 +213,14 @@ $(call objs,mind): CFLAGS += -fno-strict-aliasing # as it
 MUSL := build/musl
 ELEMENTARY_PARTS := __sin __cos __tan __rem_pio2 __rem_pio2_large __expo2 exp_data log_data pow_data \
                     $(addprefix __math_,divzero invalid oflow uflow xflow)
-MUSL_CFLAGS := -std=c99 -w -O2 -g -ffp-contract=off -frounding-math -fexcess-precision=standard -fno-math-errno \
+MUSL_CFLAGS := -std=c99 -w $(LEVEL) -g -ffp-contract=off -frounding-math -fexcess-precision=standard -fno-math-errno \
                -U__FP_FAST_FMA -fPIC -ffunction-sections -fdata-sections -I$(MUSL)/core \
                '-Dhidden=__attribute__((visibility("hidden")))' -Dfloat_t=float -Ddouble_t=double \
                $(FLAGS_$(MACHINE)) $(MUSL_$(MACHINE))
 $(MUSL)/core/whole: tools/source | deps
 	$(Q)tools/source musl $(MUSL) && touch $@
-$(addprefix $(O)/musl/,$(addsuffix .o,$(ELEMENTARY) $(ELEMENTARY_PARTS))): $(O)/musl/%.o: $(MUSL)/core/whole $(O)/flags
+$(O)/musl/flags: FLAGS := $(CC) $(MUSL_CFLAGS)
+$(addprefix $(O)/musl/,$(addsuffix .o,$(ELEMENTARY) $(ELEMENTARY_PARTS))): $(O)/musl/%.o: $(MUSL)/core/whole $(O)/musl/flags
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(MUSL_CFLAGS) -c -o $@ $(MUSL)/core/$*.c
 ARITHMETIC := $(O)/musl/arithmetic.o
@@ -325,13 +329,13 @@ COLD := $(patsubst %,$(O)/src/%.o,stats/approach stats/explored stats/goal stats
   runtime/watch runtime/watch_states runtime/watch_sample runtime/resolver runtime/directory_changes runtime/transfers \
   runtime/probes runtime/probes_look runtime/kind_base runtime/life runtime/link runtime/choice \
   bus/beacons bus/bus_open bus/config bus/topics runtime/process runtime/process_states runtime/agent_life runtime/roll)
-ifeq ($(BUILD),release)
+ifeq ($(BUILD)$(LEVEL),release-O2)
 $(COLD): CFLAGS += -Os
 endif
 
 # What casts rays is worth more of the compiler's time.  No result may depend on the trap flags.
 RAYS := $(patsubst %,$(O)/src/sim/%.o,geometry/grid sensors/fan_portable sensors/fan_sse2 sensors/fan_avx2 sensors/fan_avx512)
-ifeq ($(BUILD),release)
+ifeq ($(BUILD)$(LEVEL),release-O2)
 $(RAYS): CFLAGS += -O3 -fno-trapping-math
 endif
 # The same source for each vector unit of the processor; which one runs is found out at the start.

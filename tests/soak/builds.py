@@ -24,8 +24,7 @@ def build(compiler, level):
     """@return the program"""
     out = f"build/same/{compiler}{level}"
     subprocess.run(["make", "-s", "-j2", "DEPS=skip", f"O={out}", f"CC={compiler}", "WERROR=", "WARN=",
-                    f"FLAGS_release={level} -g -ffp-contract=off -fno-math-errno",
-                    f"{out}/bench/sim/engine"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+                    f"LEVEL={level}", f"{out}/bench/sim/engine"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
     return ROOT / out / "bench" / "sim" / "engine"
 
 
