@@ -12,9 +12,9 @@ extern "C" {
 #endif
 
 /* Of these headers.  The numbers are for #if. */
-#define MU_VERSION       "0.1.0"
+#define MU_VERSION       "0.2.0"
 #define MU_VERSION_MAJOR 0
-#define MU_VERSION_MINOR 1
+#define MU_VERSION_MINOR 2
 #define MU_VERSION_PATCH 0
 
 /** @return the version of the library that runs, as MU_VERSION; never NULL */

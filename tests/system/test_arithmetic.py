@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -43,6 +44,9 @@ def test_arithmetic_is_told_and_another_one_before_anything_else():
         check("processor" in summary, f"{sorted(summary)}")
         recording = (out / "run/run.mcap").read_bytes()
         check(recording.count(b"arithmetic") == 1, "the recording has it, once")
+        version = muster("--version").stdout.split()[-1]
+        older = re.sub(r"\d", "0", version)  # as long as it, in the file
+        recording = recording.replace(version.encode(), older.encode())
         for name, old, new, what in (("other", b"musl 1.2.3", b"musl 0.0.9", "musl 0.0.9"),
                                      ("none", b"arithmetic", b"arithmetik", "the C library's functions")):
             (out / name).mkdir()
@@ -51,7 +55,7 @@ def test_arithmetic_is_told_and_another_one_before_anything_else():
             done = muster("verify", file)
             check_equal((done.returncode, done.stdout, done.stderr),
                         (13, "", f"{file}: the arithmetic differs: {what} in the recording, and musl 1.2.3 now; "
-                                 f"verify it with the muster 0.1.0 that made it\n"), name)
+                                 f"verify it with the muster {older} that made it\n"), name)
             said = json.loads(muster("verify", file, "--json").stdout)
             check_equal(said, {"file": str(file), "what": "arithmetic", "recorded": what, "now": "musl 1.2.3"}, name)
             del summary["arithmetic"]
