@@ -366,7 +366,7 @@ emulated: all ## with CROSS=TRIPLET: programs of another architecture that run h
 	@tools/emulate $(O) $(O)/emulated $(EMULATOR)
 
 # --- tests ---------------------------------------------------------------------------------------
-.PHONY: helpers programs-test test check quick unit rules system tidy asan hashes coverage
+.PHONY: helpers programs-test test check quick unit rules system tidy asan hashes coverage test-cross
 helpers: $(HELPERS) $(PRELOADS) $(O)/test/gohome $(O)/test/way
 programs-test: test-deps all helpers $(UNITS) $(O)/test/rules $(O)/test/clips
 
@@ -385,6 +385,9 @@ rules: test-deps $(O)/test/rules $(O)/test/clips ## the rule tests: tests/rules/
 
 system: test-deps all helpers ## the system tests: real processes on loopback
 	@BUILD=$(BUILD) tests/run system
+
+test-cross: all ## one hash on arm64, armhf, ppc64el and s390x, in qemu's user mode: no part of `make test`; an hour
+	@tests/cross
 
 hashes: all ## every experiment, seeds 1 to 5, against tests/hashes.txt
 	@BUILD=$(BUILD) tests/hashes
