@@ -81,12 +81,16 @@ struct failures_line {
 
 struct source_lines; /* source_lines.c */
 
-enum { HEAP_SIZES = 24 }; /* sizes of small blocks: 8, 16, ... bytes */
+enum {
+    HEAP_SIZES = 24, /* sizes of small blocks: 8, 16, ... bytes */
+    HEAP_PARTS = 20  /* of larger ones: a page, or a half of it, or a third, ... */
+};
 
 /* The memory of an environment: heap.c. */
 struct heap {
-    struct heap_item *large, *full, *pages[HEAP_SIZES]; /* pages with room, by size of block */
-    size_t held;                                        /* bytes in all blocks */
+    struct heap_item *large, *full,
+        *pages[HEAP_SIZES + HEAP_PARTS]; /* with room, by kind of block */
+    size_t held;                         /* bytes in all blocks */
 };
 
 /* Globals that C code reads; environment.c has their names and first values. */
@@ -228,6 +232,14 @@ struct defmodule *environment_next_module(struct mind *m, struct defmodule *befo
 
 /** @return the number that a global is set to; its first value when it is set to none */
 double environment_global(const struct mind *m, enum environment_number which);
+
+/* pages.c */
+
+enum { PAGE_BYTES = 4096 }; /* a page stands at a multiple of its size */
+
+/** @return a page; NULL: there is no memory for it */
+void *pages_take(void);
+void pages_give(void *page);
 
 /* heap.c */
 

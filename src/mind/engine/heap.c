@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The memory of a mind's CLIPS.  Small blocks of one size share pages; each larger block is one of
- * malloc's.  All pages and large blocks stand in lists: a mind gives back everything at once,
- * whatever CLIPS is doing.
+ * The memory of a mind's CLIPS.  Blocks of one kind share pages; what is larger than a page is a
+ * block of malloc's.  All pages and large blocks stand in lists: a mind gives back everything at
+ * once, whatever CLIPS is doing.
  */
 #include "mind/engine/engine.h"
 
@@ -10,19 +10,11 @@
 #include <stdlib.h>
 
 enum {
-    HEAP_PAGE = 4096,   /* a page stands at a multiple of its size */
-    HEAP_STEP = 8,      /* bytes from one size to the next */
-    HEAP_MALLOC = 16,   /* bytes that malloc keeps for itself: a page with them fills a page */
-    HEAP_WORK = 1024,   /* the port hears of work at so many allocations */
-    HEAP_MUCH = 8 << 20 /* more than most minds have */
+    HEAP_STEP = 8,                      /* bytes from one size to the next */
+    HEAP_FREE = HEAP_SIZES * HEAP_STEP, /* bytes that cost no units */
+    HEAP_WORK = 1024,                   /* the port hears of work at so many allocations */
+    HEAP_MUCH = 8 << 20                 /* more than most minds have */
 };
-
-/* The address sanitizer sees each block: none is small. */
-#ifdef __SANITIZE_ADDRESS__
-enum { HEAP_SMALL_MAX = 0 };
-#else
-enum { HEAP_SMALL_MAX = HEAP_SIZES * HEAP_STEP };
-#endif
 
 /* Stands before each large block, and begins each page. */
 struct heap_item {
@@ -38,9 +30,28 @@ struct heap_page {
     uint32_t used, cut, end; /* blocks in use; bytes cut from the page so far, and at most */
 };
 
+enum { HEAP_ROOM = PAGE_BYTES - sizeof(struct heap_page) };
+_Static_assert(HEAP_ROOM % HEAP_STEP == 0 && HEAP_ROOM / (HEAP_FREE + HEAP_STEP) == HEAP_PARTS,
+               "a kind for each number of parts");
+
+/* The address sanitizer sees each block: none shares a page. */
+#ifdef __SANITIZE_ADDRESS__
+enum { HEAP_SHARED_MAX = 0 };
+#else
+enum { HEAP_SHARED_MAX = HEAP_ROOM };
+#endif
+
+/* Of a block that shares a page: its size, or in how many parts of that size a page is cut. */
 static size_t heap_kind(size_t bytes)
 {
-    return bytes > 0 ? (bytes - 1) / HEAP_STEP : 0;
+    size_t steps = bytes > 0 ? (bytes + HEAP_STEP - 1) / HEAP_STEP : 1;
+    return bytes > HEAP_FREE ? HEAP_SIZES + HEAP_ROOM / (steps * HEAP_STEP) - 1 : steps - 1;
+}
+
+static uint32_t heap_size(size_t kind)
+{
+    size_t most = kind < HEAP_SIZES ? (kind + 1) * HEAP_STEP : HEAP_ROOM / (kind - HEAP_SIZES + 1);
+    return (uint32_t)(most - most % HEAP_STEP);
 }
 
 /* The mind whose environment is being made. */
@@ -70,16 +81,14 @@ static void heap_unlink(struct heap_item *item)
     }
 }
 
-static struct heap_page *heap_open(struct heap_item **list, size_t size)
+static struct heap_page *heap_open(struct heap_item **list, uint32_t size)
 {
-    void *bytes = NULL;
-    if (posix_memalign(&bytes, HEAP_PAGE, HEAP_PAGE - HEAP_MALLOC) != 0) {
+    struct heap_page *page = pages_take();
+    if (!page) {
         return NULL;
     }
-    struct heap_page *page = bytes;
-    uint32_t blocks = (uint32_t)((HEAP_PAGE - HEAP_MALLOC - sizeof *page) / size);
-    *page =
-        (struct heap_page){.cut = sizeof *page, .end = (uint32_t)(sizeof *page + blocks * size)};
+    uint32_t blocks = (uint32_t)HEAP_ROOM / size;
+    *page = (struct heap_page){.cut = sizeof *page, .end = (uint32_t)sizeof *page + blocks * size};
     heap_link(list, &page->item);
     return page;
 }
@@ -89,12 +98,12 @@ static bool heap_is_full(const struct heap_page *page)
     return !page->free && page->cut == page->end;
 }
 
-static void *heap_take_small(struct heap *h, size_t bytes)
+static void *heap_take_shared(struct heap *h, size_t bytes)
 {
     size_t kind = heap_kind(bytes);
     struct heap_page *page = (struct heap_page *)h->pages[kind];
     if (!page) {
-        page = heap_open(&h->pages[kind], (kind + 1) * HEAP_STEP);
+        page = heap_open(&h->pages[kind], heap_size(kind));
     }
     if (!page) {
         return NULL;
@@ -104,7 +113,7 @@ static void *heap_take_small(struct heap *h, size_t bytes)
         page->free = *(void **)block;
     } else {
         block = (char *)page + page->cut;
-        page->cut += (uint32_t)((kind + 1) * HEAP_STEP);
+        page->cut += heap_size(kind);
     }
     page->used++;
     if (heap_is_full(page)) {
@@ -114,9 +123,9 @@ static void *heap_take_small(struct heap *h, size_t bytes)
     return block;
 }
 
-static void heap_give_small(struct heap *h, void *block, size_t bytes)
+static void heap_give_shared(struct heap *h, void *block, size_t bytes)
 {
-    struct heap_page *page = (struct heap_page *)((uintptr_t)block - (uintptr_t)block % HEAP_PAGE);
+    struct heap_page *page = (struct heap_page *)((uintptr_t)block - (uintptr_t)block % PAGE_BYTES);
     bool full = heap_is_full(page);
     *(void **)block = page->free;
     page->free = block;
@@ -125,7 +134,7 @@ static void heap_give_small(struct heap *h, void *block, size_t bytes)
         heap_unlink(&page->item);
     }
     if (page->used == 0) {
-        free(page);
+        pages_give(page);
     } else if (full) {
         heap_link(&h->pages[heap_kind(bytes)], &page->item);
     }
@@ -140,8 +149,8 @@ void *heap_take(void *env, size_t bytes)
         return NULL;
     }
     void *block = NULL;
-    if (bytes <= HEAP_SMALL_MAX) {
-        block = heap_take_small(h, bytes);
+    if (bytes <= HEAP_SHARED_MAX) {
+        block = heap_take_shared(h, bytes);
     } else {
         struct heap_item *item = malloc(sizeof *item + bytes);
         if (item) {
@@ -151,8 +160,8 @@ void *heap_take(void *env, size_t bytes)
             heap_link(&h->large, item);
             block = item + 1;
         }
-        m->cost.units += bytes / BUDGET_UNITS_A_TICK; /* it is filled */
     }
+    m->cost.units += bytes > HEAP_FREE ? bytes / BUDGET_UNITS_A_TICK : 0; /* it is filled */
     h->held += block ? bytes : 0;
     if (state_is_limited(m) && ++m->allocations % HEAP_WORK == 0) {
         engine_work(m);
@@ -164,8 +173,8 @@ void heap_give(void *env, void *block, size_t bytes)
 {
     struct heap *h = &heap_mind(env)->heap;
     h->held -= bytes;
-    if (bytes <= HEAP_SMALL_MAX) {
-        heap_give_small(h, block, bytes);
+    if (bytes <= HEAP_SHARED_MAX) {
+        heap_give_shared(h, block, bytes);
     } else {
         struct heap_item *item = (struct heap_item *)block - 1;
 #ifdef __SANITIZE_ADDRESS__
@@ -185,11 +194,11 @@ void heap_make(struct mind *m)
     heap_maker = NULL;
 }
 
-static void heap_drop_list(struct heap_item *item)
+static void heap_drop_list(struct heap_item *item, void (*give)(void *))
 {
     while (item) {
         struct heap_item *next = item->next;
-        free(item);
+        give(item);
         item = next;
     }
 }
@@ -199,10 +208,10 @@ void heap_drop(struct mind *m)
     struct heap *h = &m->heap;
     bool much = h->held > HEAP_MUCH;
     m->env = NULL;
-    heap_drop_list(h->large);
-    heap_drop_list(h->full);
-    for (size_t i = 0; i < HEAP_SIZES; i++) {
-        heap_drop_list(h->pages[i]);
+    heap_drop_list(h->large, free);
+    heap_drop_list(h->full, pages_give);
+    for (size_t i = 0; i < HEAP_SIZES + HEAP_PARTS; i++) {
+        heap_drop_list(h->pages[i], pages_give);
     }
     *h = (struct heap){.held = 0};
     if (much) {

@@ -13,8 +13,13 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-/* Rules have no (profile), so no call pays for it: setup.h of CLIPS takes this. */
+/* Rules have no (profile), (bsave) and the like, so nothing pays for them: setup.h of CLIPS takes
+ * this. */
 #define PROFILING_FUNCTIONS 0
+#define BLOAD_AND_BSAVE     0
+#define BLOAD_INSTANCES     0
+#define BSAVE_INSTANCES     0
+#define CONSTRUCT_COMPILER  0
 
 enum {
     BUDGET_TICKS_MAX = 2000000, /* turns of loops and returns of functions, for a step or a line */
