@@ -94,7 +94,8 @@ void pages_give(void *page)
     *(void **)page = c->free;
     c->free = page;
     c->used--;
-    if (c->used == 0 && !full) {
+    bool is_spare = chunks_with_room == c && !c->next; /* kept: a page more may come and go */
+    if (c->used == 0 && !full && !is_spare) {
         chunk_unlink(c);
         (void)munmap(c, CHUNK_BYTES);
         chunks--;
