@@ -93,15 +93,17 @@ def test_neither_a_kill_nor_a_stop_changes_the_run():
 TALKS = """
 (defglobal ?*heard* = 0)
 (defrule speak (position $?) => (setSpeed 100 0) (broadcast here ?*heard*) (send nosuch n ?*heard*)
-  (send near:0.1 n ?*heard*) (update-sensors))
+  (send near:3 near ?*heard*) (update-sensors))
 (defrule comes-back (declare (salience 9)) ?e <- (event refused send $?) => (retract ?e) (setSpeed 50 5))
 (defrule hears (declare (salience 9)) (message here $?) => (bind ?*heard* (+ ?*heard* 1)))
+(defrule is-near (declare (salience 9)) (message near $?) => (bind ?*heard* (+ ?*heard* 7)))
 """
 
 
 def test_who_dies_between_two_packets_has_said_all_or_nothing():
     """An answer to a step goes to the broker and to the simulator in a packet each.  What the broker
-    says to its mail comes with the mail of the step, once, whoever lives then."""
+    says to its mail comes with the mail of the step, once, whoever lives then.  A resolver is shown
+    the world of the step in which it was asked."""
     with folder() as out:
         (out / "talks.clp").write_text(TALKS)
         file = out / "team.yaml"
@@ -109,14 +111,16 @@ def test_who_dies_between_two_packets_has_said_all_or_nothing():
             f"  - {{name: {name}, rules: talks.clp}}\n" for name in ("red", "blue", "green", "yellow")))
         done, calm = experiment_run(out / "calm", file=file)
         check_equal(done.returncode, 0, done.stderr)
-        lives = {"red": (301, 302, 303), "blue": (304, 305, 306), "green": (307, 308, 309), "yellow": (310, 311, 312)}
-        for name, packets in lives.items():
-            (out / name).write_text("".join(f"{n}\n" for n in packets))
         env = {"LD_PRELOAD": preload("dies_sending"), "DIES_FOLDER": str(out)}
-        with run(*RESTART, *EACH_STEP, file=file, env=env) as r:
-            crashed = r.end()
-        check_equal({s["process"]: s["count"] for s in crashed["restarts"]}, {name: 3 for name in lives}, "restarts")
-        check_equal(crashed["hash"], calm["hash"], "the hash")
+        for lives in ({"red": (301, 302, 303), "blue": (304, 305, 306), "green": (307, 308, 309),
+                       "yellow": (310, 311, 312)}, {"near": (301, 302, 303, 304, 305)}):
+            for name, packets in lives.items():
+                (out / name).write_text("".join(f"{n}\n" for n in packets))
+            with run(*RESTART, *EACH_STEP, file=file, env=env) as r:
+                crashed = r.end()
+            check_equal({s["process"].split(".")[-1]: s["count"] for s in crashed["restarts"]},
+                        {name: len(packets) for name, packets in lives.items()}, "restarts")
+            check_equal(crashed["hash"], calm["hash"], f"the hash, as {list(lives)} died")
 
 
 def test_who_comes_back_by_itself_survives_chaos():

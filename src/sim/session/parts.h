@@ -191,7 +191,8 @@ struct session {
     struct session_process *processes; /* MU_PROCESSES_MAX */
     uint32_t process_count;
     muster_Percept *percepts; /* one for each robot, in order of process */
-    muster_Percept *bodies;   /* for watchers: the pose of every robot, in the order of the world */
+    /* For watchers: the pose of every robot, in the order of the world, in even and odd steps. */
+    muster_Percept *bodies[2];
     enum phase phase;
     uint32_t refused; /* events that the phase does not allow */
     int64_t step;
@@ -338,6 +339,10 @@ void inbox_take(struct session *s);
 
 /** Puts the samples of a step together. */
 void percepts_fill_samples(struct session *s, bool last);
+
+/** Sets the step that the sample of a process is of: the last one that was put together or, for a
+ * watcher, the one before. */
+void percepts_set_step(const struct session *s, struct session_process *p, int64_t step);
 
 /** Writes the sample of a process.  @return false: the network is busy; percepts_retry tries again
  */

@@ -26,7 +26,16 @@ static void bodies_fill(struct session *s)
 {
     for (size_t r = 0; r < s->robot_count; r++) {
         struct mu_percept body = engine_truth(&s->robots[r].sensed);
-        percept_pack(&s->bodies[r], &body);
+        percept_pack(&s->bodies[s->step & 1][r], &body);
+    }
+}
+
+void percepts_set_step(const struct session *s, struct session_process *p, int64_t step)
+{
+    p->sample.step = step;
+    p->sample.time_ns = (uint64_t)step * s->options.step_ns;
+    if (p->sight != MEMBER_HAS_BODIES) {
+        p->sample.robots._buffer = s->bodies[step & 1];
     }
 }
 
@@ -47,8 +56,7 @@ void percepts_fill_samples(struct session *s, bool last)
             }
         }
         struct session_process *p = &s->processes[i];
-        p->sample.step = s->step;
-        p->sample.time_ns = (uint64_t)s->step * s->options.step_ns;
+        percepts_set_step(s, p, s->step);
         p->sample.last = last;
     }
 }
@@ -67,12 +75,22 @@ void percepts_send(struct session *s, bool last)
     s->sent_step = s->step;
 }
 
+/* The successor of a watcher follows when its answer to the step before is with the broker. */
+static void step_follow(const struct session *s, struct session_process *p)
+{
+    if (p->sample.step == s->sent_step - 1 && s->mail_step == p->sample.step) {
+        percepts_set_step(s, p, s->sent_step);
+        p->sample_pending = true;
+    }
+}
+
 /* @return whether every process has its step */
 bool percepts_retry(struct session *s)
 {
     bool all = true;
     for (uint32_t i = 0; i < s->process_count; i++) {
         struct session_process *p = &s->processes[i];
+        step_follow(s, p);
         all = (!p->sample_pending || percepts_write(p)) && all;
     }
     if (s->roster_due) {

@@ -67,7 +67,8 @@ static bool superseded_release(struct session *s)
 }
 
 /* Gives the last step that went out to the processes that have joined: if it has ended, the broker
- * may lack the answer of their earlier lives. */
+ * may lack the answer of their earlier lives.  A watcher answers from what it sees, so it gets the
+ * step that the broker waits for, and the last one when the broker has its answer. */
 static void steps_give(struct session *s)
 {
     bool under_way = s->sent_step == s->step;
@@ -77,7 +78,8 @@ static void steps_give(struct session *s)
         struct session_process *p = &s->processes[i];
         bool joins = p->state == MEMBER_JOINING;
         if (joins && gives) {
-            p->sample.step = s->sent_step;
+            bool behind = p->sight != MEMBER_HAS_BODIES && s->mail_step < s->sent_step - 1;
+            percepts_set_step(s, p, s->sent_step - behind);
             (void)percepts_write(p);
         }
         if (joins) {

@@ -43,13 +43,12 @@ void roster_lay_out(struct session *s)
             }
         }
         if (p->sight != MEMBER_HAS_BODIES) {
-            p->sample.robots._buffer = s->bodies;
             p->sample.robots._length = (uint32_t)s->robot_count;
         }
         p->sample.robots._maximum = p->sample.robots._length;
     }
     for (size_t r = 0; r < s->robot_count; r++) {
-        s->bodies[r].robot = s->world->robots[r].name;
+        s->bodies[0][r].robot = s->bodies[1][r].robot = s->world->robots[r].name;
     }
 }
 

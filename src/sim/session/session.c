@@ -79,7 +79,9 @@ mu_result session_open(struct session **out, const struct session_options *optio
     s->processes = mu_startup_array(MU_PROCESSES_MAX, sizeof *s->processes);
     s->wanted = mu_startup_array(s->robot_count, sizeof *s->wanted);
     s->percepts = mu_startup_array(s->robot_count, sizeof *s->percepts);
-    s->bodies = mu_startup_array(s->robot_count, sizeof *s->bodies);
+    for (int i = 0; i < 2; i++) {
+        s->bodies[i] = mu_startup_array(s->robot_count, sizeof *s->bodies[i]);
+    }
     status_open(s);
     MU_TRY(observe_open(s));
     *out = s;
