@@ -16,6 +16,7 @@ static void step_end(struct broker *b)
     l->step++;
     b->clock.run_ns = (uint64_t)l->step * b->clock.step_ns;
     step_apply(b);
+    steps_note_counts(b);
     l->answered = 0;
     for (uint32_t i = 0; i < l->roster_count; i++) {
         steps_role_on(b, l->roster[i], ROLE_STEP_ENDS);
@@ -184,7 +185,7 @@ static void lockstep_hold(struct broker *b, bool held)
 static void lockstep_end(struct broker *b)
 {
     struct steps *l = &b->steps;
-    steps_note_end(b); /* what comes from now on comes by the clock */
+    l->end = l->so_far;
     l->awaits_moves = false;
     transfer_run_over(b, scope_refuses_move(SCOPE_RUN, SCOPE_OPEN));
     do { /* nothing that was admitted is lost */
@@ -231,6 +232,7 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
     steps_role_on(b, simulator, ROLE_SIMULATES);
     roster_grow(b, roster, false);
     outcome_admit_due(b, clock_run_ns(&b->clock));
+    steps_note_counts(b);
     l->version = l->start_version = b->registry.changes.version;
     for (uint32_t i = 0; i < l->roster_count; i++) {
         b->processes.at[l->roster[i]].version_had = 0; /* the whole pages, as of now */

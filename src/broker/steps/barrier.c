@@ -59,16 +59,17 @@ void steps_set_held(struct broker *b, bool held)
     }
 }
 
-void steps_note_end(struct broker *b)
+void steps_note_counts(struct broker *b)
 {
     const struct broker_counters *c = &b->counters;
-    b->steps.end = (muster_LockstepEnd){.ended = b->steps.end.ended + 1,
-                                        .sent = c->sent,
-                                        .delivered = c->delivered,
-                                        .waiting = c->waiting,
-                                        .expired = c->expired,
-                                        .refused = c->box_full + c->over_share + c->unknown_name +
-                                                   c->refused + c->dropped + c->no_store};
+    b->steps.so_far = (muster_LockstepEnd){.ended = b->steps.end.ended + 1,
+                                           .sent = c->sent,
+                                           .delivered = c->delivered,
+                                           .waiting = c->waiting,
+                                           .expired = c->expired,
+                                           .refused = c->box_full + c->over_share +
+                                                      c->unknown_name + c->refused + c->dropped +
+                                                      c->no_store};
 }
 
 /* --- collecting ------------------------------------------------------------------------------- */

@@ -108,7 +108,8 @@ struct steps {
     /* Mails from outside that took effect, in order, until the simulator has been told. */
     struct mail *told[STEPS_OUTSIDE_MAX];
     uint32_t told_count;
-    muster_LockstepEnd end; /* of the last one */
+    muster_LockstepEnd end;    /* of the last lock step */
+    muster_LockstepEnd so_far; /* as of the last step of this one */
 };
 
 void steps_init(struct steps *l, uint32_t agents);
@@ -119,8 +120,9 @@ void steps_role_on(struct broker *b, uint32_t place, enum role_event event);
 /** Gives the agents of a process their scopes anew. */
 void steps_mark_residents(struct broker *b, uint32_t place);
 
-/** The lock step ends: notes what has been counted until now. */
-void steps_note_end(struct broker *b);
+/** A step ends: notes what has been counted until now.  What a process acknowledges later, when it
+ * has seen that no step follows, may come before the lock step has ended, or after it. */
+void steps_note_counts(struct broker *b);
 
 /** An agent has come to a process, has left it, or is of another kind now. */
 void steps_rescope(struct broker *b, uint32_t agent);
