@@ -22,7 +22,7 @@ static void babble(void)
 {
     static char line[4096];
     memset(line, 'x', sizeof line - 1);
-    for (int i = 0; i < 20000; i++) {
+    for (int i = 0; i < 2000; i++) {
         puts(line);
     }
     fflush(stdout);

@@ -273,13 +273,13 @@ def test_chaos_on_a_resolver_in_free_running():
     """While it is away mail to its addresses is refused; then it answers again."""
     with folder() as out:
         file = near_experiment(out)
-        file.write_text(file.read_text().replace("duration: 3", "duration: 8") +
+        file.write_text(file.read_text().replace("duration: 3", "duration: 11") +
                         "chaos:\n  - {at: 2, kill: resolver.near, for: 2}\n")
         done, summary = experiment_run(out / "free", "--free", "--domain", new_domain(), file=file)
         check_equal(done.returncode, 0, done.stderr)
         check(summary["mail"]["refused"] > 0, summary["mail"])
         received = [r["mail_received"] for r in summary["robots"]]
-        check(all(r > 40 for r in received), f"before and after: {received}")
+        check(all(r > 30 for r in received), f"before, at most 20, and after: {received}")
 
 
 def test_chaos_on_a_resolver_that_there_is_not():
