@@ -79,7 +79,7 @@ def test_a_robot_says_what_it_does_not_understand():
         answered("(send-layer 1 suspend red)", "(content never) (layer 1)")
         check_equal(members(domain)["red"]["state"], "standby", "who does not let be suspended")
         answered("(send-layer 1 dispose red)", "(performative agree)")
-        wait_for(lambda: members(domain)["red"]["state"] == "absent", 10, "red's absence")
+        wait_for(lambda: members(domain).get("red", {"state": "absent"})["state"] == "absent", 10, "red's absence")
 
 
 def test_a_file_beside_the_rules_replaces_one_of_the_library():
