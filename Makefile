@@ -44,6 +44,9 @@ EXACT   := $(patsubst %,build/exact/%,$(filter $(FUSING),$(MACHINE)))
 FLAGS_s390x      := -fexcess-precision=fast
 MUSL_powerpc64le := -mlong-double-64 -mno-gnu-attribute
 MUSL_ppc64le     := $(MUSL_powerpc64le)
+# A long has 32 bits: files are as large as elsewhere, and readdir finds each of them.
+FLAGS_arm        := -D_FILE_OFFSET_BITS=64
+FLAGS_armv7l     := $(FLAGS_arm)
 # What runs the programs here.
 EMULATOR := $(if $(CROSS),qemu-$(patsubst powerpc64le,ppc64le,$(MACHINE))-static -L $(CURDIR)/$(SYSROOT))
 CSTD  := -std=c11 -D_GNU_SOURCE
