@@ -53,7 +53,6 @@ void mailbox_init(struct mailbox *m, uint32_t agents)
     m->posts = mu_startup_array(QUOTA_POSTS_MAX, sizeof *m->posts);
     m->boxes = mu_startup_array(agents, sizeof *m->boxes);
     shares_init(&m->shares);
-    mailbox_set_defaults(m, muster_BOX_REFUSE_NEW, 0, 0);
 }
 
 void mailbox_end(struct mailbox *m, uint32_t agent)

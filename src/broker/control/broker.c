@@ -9,9 +9,6 @@
 
 #include <stdio.h>
 
-static const uint64_t RESEND_AFTER_NS = 1000000000;
-static const uint64_t HOLD_NS = 1500000000;
-
 /* The broker's own lines of the white pages: itself, and its parts, which members of a run
  * are not shown. */
 static void broker_enlist(struct broker *b, const struct broker_options *options)
@@ -37,8 +34,6 @@ struct broker *broker_open(const struct broker_options *options)
     (void)snprintf(b->place, sizeof b->place, "broker.%s", b->name);
     b->incarnation = options->incarnation;
     b->clock.wall_ns = options->wall_ns;
-    b->resend_after_ns = options->resend_after_ns ? options->resend_after_ns : RESEND_AFTER_NS;
-    b->hold_ns = options->hold_ns ? options->hold_ns : HOLD_NS;
     registry_init(&b->registry, options->names ? options->names : MU_AGENTS_MAX);
     processes_init(&b->processes);
     claims_init(&b->claims);

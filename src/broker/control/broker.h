@@ -12,8 +12,8 @@
 #ifndef MUSTER_BROKER_BROKER_H
 #define MUSTER_BROKER_BROKER_H
 
-#include "bus/bus.h"
 #include "broker/directory/directory.h"
+#include "bus/bus.h"
 #include "core/fault.h"
 #include "muster/limits.h"
 #include "muster/result.h"
@@ -30,12 +30,9 @@ struct broker_options {
     uint64_t incarnation; /* a number that no earlier broker of this network had */
     const char *host;     /* for its own line of the white pages */
     uint32_t pid;
-    uint64_t wall_ns; /* nanoseconds since 1970 at now_ns == 0, for since_wall_ns */
-    uint64_t
-        resend_after_ns; /* an unacknowledged delivery item goes out again after this; 1 s when 0 */
+    uint64_t wall_ns;              /* nanoseconds since 1970 at now_ns == 0, for since_wall_ns */
     uint64_t delivery_interval_ns; /* between two rounds of the dispatcher; 0: at once */
     bool audit;                    /* directives are recorded for broker_audit_next */
-    uint64_t hold_ns;              /* so long a new holder waits for the old one; 1.5 s when 0 */
     uint32_t names;                /* so many at a time; MU_AGENTS_MAX when 0 */
     uint64_t name_expiry_ns;       /* a name that is absent for so long may end; 10 min when 0 */
     muster_BoxPolicy box_policy;   /* of boxes whose agents ask for nothing else */
@@ -178,9 +175,6 @@ bool broker_event_next(struct broker *b, muster_BrokerEvent *out);
 /** @return how many samples the broker needs before it can do much: in lock step, the answers that
  *          are missing; else 1 */
 uint32_t broker_samples_wanted(const struct broker *b);
-
-/** @return whether a lock step is under way */
-bool broker_by_steps(const struct broker *b);
 
 /** When broker_tick is needed next, in broker time; UINT64_MAX: not before something happens. */
 uint64_t broker_deadline_ns(const struct broker *b);

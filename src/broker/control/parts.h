@@ -43,8 +43,6 @@ struct broker {
     char name[MU_FIELD_MAX + 1];
     char place[MU_PROCESS_MAX + sizeof "broker."]; /* what it is to other brokers */
     uint64_t incarnation;
-    uint64_t resend_after_ns;
-    uint64_t hold_ns;
     struct clock clock;
     struct registry registry;
     struct processes processes;

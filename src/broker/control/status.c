@@ -126,8 +126,3 @@ uint32_t broker_samples_wanted(const struct broker *b)
 {
     return b->probes.count > 0 ? 1 : steps_missing(&b->steps);
 }
-
-bool broker_by_steps(const struct broker *b)
-{
-    return clock_by_steps(&b->clock);
-}

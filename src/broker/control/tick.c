@@ -5,13 +5,16 @@
 #include "broker/control/step.h"
 #include "broker/membership/membership.h"
 
+/* An unacknowledged delivery item goes out again after this. */
+static const uint64_t RESEND_AFTER_NS = 1000000000;
+
 static uint64_t resend_deadline_ns(const struct broker *b)
 {
     uint32_t agent = mailbox_watched(&b->mailbox);
     if (agent == MU_NONE) {
         return UINT64_MAX;
     }
-    return clock_after_ns(b->mailbox.boxes[agent].progress_ns, b->resend_after_ns);
+    return clock_after_ns(b->mailbox.boxes[agent].progress_ns, RESEND_AFTER_NS);
 }
 
 static void resend_tick(struct broker *b)

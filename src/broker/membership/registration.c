@@ -89,7 +89,7 @@ static void presence_of(const muster_Registration *r, const muster_Entry *e, str
 static bool outlived_a_broker(const struct broker *b, uint32_t agent, const struct presence *is)
 {
     const struct agent *a = &b->registry.agents[agent];
-    return !is->newcomer && b->clock.now_ns < b->hold_ns && is->since_wall_ns > 0 &&
+    return !is->newcomer && b->clock.now_ns < NAMES_HOLD_NS && is->since_wall_ns > 0 &&
            is->since_wall_ns < a->is.since_wall_ns && a->is.home[0] == '\0' &&
            !scope_is_inside(a->scope);
 }
@@ -151,7 +151,7 @@ static void slot_leave(struct broker *b, uint32_t agent, uint32_t place, uint32_
  */
 static bool room_is_kept(const struct broker *b, const muster_Entry *e)
 {
-    return b->registry.roomless > 0 && e->newcomer && b->clock.now_ns < b->hold_ns;
+    return b->registry.roomless > 0 && e->newcomer && b->clock.now_ns < NAMES_HOLD_NS;
 }
 
 /* What a part says of one slot. */

@@ -45,7 +45,7 @@ bool names_is_held(const struct broker *b, uint32_t agent)
 
 uint64_t names_hold_end_ns(const struct broker *b)
 {
-    return clock_after_ns(b->clock.now_ns, b->hold_ns);
+    return clock_after_ns(b->clock.now_ns, NAMES_HOLD_NS);
 }
 
 void names_hold(struct broker *b, uint32_t agent)

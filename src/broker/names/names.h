@@ -294,6 +294,9 @@ void claims_drop(struct claims *c, uint32_t *first, uint32_t index);
 
 /* --- names.c --------------------------------------------------------------------------------- */
 
+/* So long a new holder waits for the old one. */
+enum { NAMES_HOLD_NS = 1500000000 };
+
 /** Something happens to the bearer of a name; our own code aborts if it cannot. */
 void names_bearer_on(struct registry *r, uint32_t agent, enum bearer_event event);
 

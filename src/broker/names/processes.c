@@ -41,18 +41,6 @@ static const unsigned char next_turn[TURNS][TURN_EVENTS] = {
 };
 /* clang-format on */
 
-enum session processes_next_session(enum session session, enum session_event event)
-{
-    unsigned next = next_session[session][event];
-    return next == X ? SESSIONS : (enum session)next;
-}
-
-enum turn_state processes_next_turn(enum turn_state turn, enum turn_event event)
-{
-    unsigned next = next_turn[turn][event];
-    return next == X ? TURNS : (enum turn_state)next;
-}
-
 /* --- places ----------------------------------------------------------------------------------- */
 
 void processes_init(struct processes *p)
@@ -98,8 +86,9 @@ void processes_session_on(struct processes *p, uint32_t place, enum session_even
 {
     struct process *at = &p->at[place];
     bool waited = is_unmatched(at), heard = processes_hears(at);
-    at->session = processes_next_session(at->session, event);
-    MU_ASSERT(at->session < SESSIONS);
+    unsigned next = next_session[at->session][event];
+    MU_ASSERT(next != X);
+    at->session = (enum session)next;
     if (is_unmatched(at) != waited) {
         (waited ? unmatched_remove : unmatched_add)(p, place);
     }
@@ -111,8 +100,9 @@ void processes_turn_on(struct processes *p, uint32_t place, enum turn_event even
     struct process *at = &p->at[place];
     p->held -= processes_is_held(at);
     p->refused -= processes_is_refused(at);
-    at->turn = processes_next_turn(at->turn, event);
-    MU_ASSERT(at->turn < TURNS);
+    unsigned next = next_turn[at->turn][event];
+    MU_ASSERT(next != X);
+    at->turn = (enum turn_state)next;
     p->held += processes_is_held(at);
     p->refused += processes_is_refused(at);
 }

@@ -178,13 +178,6 @@ uint32_t processes_next(struct processes *p);
 /** Something happens to the turn of a process; our own code aborts if it cannot. */
 void processes_turn_on(struct processes *p, uint32_t place, enum turn_event event);
 
-/* States of processes: processes.c too. */
-
-/** @return the next state, or SESSIONS: the event is illegal */
-enum session processes_next_session(enum session session, enum session_event event);
-
-enum turn_state processes_next_turn(enum turn_state turn, enum turn_event event);
-
 static inline bool processes_is_held(const struct process *at)
 {
     return at->turn == TURN_HELD || at->turn == TURN_HELD_READY;

@@ -22,7 +22,5 @@ enum beacon_news beacon_table_hear(struct beacon_table *b, const muster_Beacon *
     if (strcmp(beacon->broker, b->name) == 0) {
         return namesake_hear(b, beacon);
     }
-    enum beacons_news news = beacons_note(&b->others, beacon);
-    b->refused += news == BEACONS_FULL;
-    return news == BEACONS_MET ? BEACON_MET : BEACON_NOTHING;
+    return beacons_note(&b->others, beacon) == BEACONS_MET ? BEACON_MET : BEACON_NOTHING;
 }

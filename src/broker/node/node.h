@@ -93,11 +93,10 @@ struct beacon_table {
     uint64_t incarnation;
     uint32_t pid;
     struct beacons others;
-    uint64_t refused; /* brokers that did not fit */
 };
 
 enum beacon_news {
-    BEACON_NOTHING, /* it is known, or our own, or does not fit and is counted */
+    BEACON_NOTHING, /* it is known, or our own, or does not fit */
     BEACON_MET,     /* a broker that was not there before, or another life of one */
     BEACON_LATER,   /* another broker has our name, and must give way */
     BEACON_EARLIER, /* another broker has our name, and we must give way */
