@@ -94,8 +94,9 @@ bool broker_next(struct broker *b, const char **process, muster_Delivery *d);
 void broker_delivered(struct broker *b, uint64_t now_ns);
 void broker_undelivered(struct broker *b);
 
-/** The index-th process whose writer has not matched, in any order; NULL past the last. */
-const char *broker_process(const struct broker *b, uint32_t index);
+/** @return of the processes whose writers have not matched the one behind another, or (after NULL)
+ * the first; or NULL */
+const char *broker_process(const struct broker *b, const char *after);
 
 /** @return whether the broker still has business with a process */
 bool broker_serves(const struct broker *b, const char *process);

@@ -73,7 +73,7 @@ static void dispatch_wake(struct broker *b)
     }
     c->awake = true;
     for (uint32_t i = 0; i < b->processes.top && b->processes.held > 0; i++) {
-        if (processes_is_held(&b->processes.at[i])) {
+        if (b->processes.at[i].turn == TURN_HELD) {
             processes_turn_on(&b->processes, i, TURN_ROUND_BEGINS);
             processes_wake(&b->processes, i);
         }
@@ -127,7 +127,7 @@ bool broker_next(struct broker *b, const char **process, muster_Delivery *d)
     }
     while ((place = processes_next(&b->processes)) != MU_NONE) {
         const struct process *at = &b->processes.at[place];
-        if (!processes_is_matched(at) || processes_is_refused(at)) {
+        if (!processes_is_matched(at) || at->turn == TURN_REFUSED) {
             continue;
         }
         b->dispatch.open = place;
@@ -291,7 +291,7 @@ void dispatch_tick(struct broker *b)
         return;
     }
     for (uint32_t i = 0; i < b->processes.top; i++) {
-        if (processes_is_refused(&b->processes.at[i])) {
+        if (b->processes.at[i].turn == TURN_REFUSED) {
             processes_turn_on(&b->processes, i, TURN_IS_RETRIED);
             processes_wake(&b->processes, i);
         }

@@ -38,10 +38,9 @@ static void waiting_drop(struct broker *b, uint32_t count)
 /* @return whether a place has nothing else to be told before */
 static bool place_is_ready(const struct broker *b, const struct process *at)
 {
-    bool is_there = processes_hears(at) && !processes_is_refused(at);
+    bool is_there = processes_hears(at) && at->turn == TURN_IDLE;
     bool is_alone = !scope_is_paced(at->scope) && at->kind != PROCESS_BROKER;
-    return is_there && is_alone && !processes_is_held(at) && !at->roll_call_due &&
-           at->refusals_count == 0 &&
+    return is_there && is_alone && !at->roll_call_due && at->refusals_count == 0 &&
            changelog_after(&b->registry.changes, at->version_had) == MU_NONE &&
            view_has_told(&b->pages, at);
 }

@@ -15,8 +15,7 @@ enum {
     X = 255,
     F = SESSION_FREE, A = SESSION_AWAY, T = SESSION_THERE, H = SESSION_HEARS,
     B = SESSION_AWAY_SILENT, U = SESSION_THERE_SILENT, I = SESSION_HEARS_SILENT,
-    D = TURN_IDLE, R = TURN_READY, W = TURN_HELD, V = TURN_HELD_READY, N = TURN_REFUSED,
-    M = TURN_REFUSED_READY
+    D = TURN_IDLE, W = TURN_HELD, N = TURN_REFUSED
 };
 
 static const unsigned char next_session[SESSIONS][SESSION_EVENTS] = {
@@ -31,13 +30,10 @@ static const unsigned char next_session[SESSIONS][SESSION_EVENTS] = {
 };
 
 static const unsigned char next_turn[TURNS][TURN_EVENTS] = {
-    /*                      wakes looked at held round refused retried forgotten */
-    [TURN_IDLE]          = {R,    X,        W,   D,    N,      D,      D},
-    [TURN_READY]         = {R,    D,        X,   R,    M,      R,      R},
-    [TURN_HELD]          = {V,    X,        W,   D,    N,      W,      D},
-    [TURN_HELD_READY]    = {V,    W,        X,   R,    M,      V,      R},
-    [TURN_REFUSED]       = {M,    X,        X,   N,    N,      D,      D},
-    [TURN_REFUSED_READY] = {M,    N,        X,   M,    M,      R,      R},
+    /*                held round refused retried forgotten */
+    [TURN_IDLE]    = {W,   D,    N,      D,      D},
+    [TURN_HELD]    = {W,   D,    N,      W,      D},
+    [TURN_REFUSED] = {X,   N,    N,      D,      D},
 };
 /* clang-format on */
 
@@ -47,7 +43,6 @@ void processes_init(struct processes *p)
 {
     *p = (struct processes){0};
     p->at = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->at);
-    p->unmatched = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->unmatched);
     mu_table_init(&p->names, MU_PROCESSES_MAX);
 }
 
@@ -63,20 +58,6 @@ static bool place_is_spare(const struct process *at)
     return at->session == SESSION_FREE || !place_is_needed(at);
 }
 
-static void unmatched_add(struct processes *p, uint32_t place)
-{
-    p->at[place].unmatched_at = p->unmatched_count;
-    p->unmatched[p->unmatched_count++] = place;
-}
-
-/* The last one takes its entry. */
-static void unmatched_remove(struct processes *p, uint32_t place)
-{
-    uint32_t entry = p->at[place].unmatched_at, last = p->unmatched[--p->unmatched_count];
-    p->unmatched[entry] = last;
-    p->at[last].unmatched_at = entry;
-}
-
 static bool is_unmatched(const struct process *at)
 {
     return at->session != SESSION_FREE && !processes_is_matched(at);
@@ -90,7 +71,8 @@ void processes_session_on(struct processes *p, uint32_t place, enum session_even
     MU_ASSERT(next != X);
     at->session = (enum session)next;
     if (is_unmatched(at) != waited) {
-        (waited ? unmatched_remove : unmatched_add)(p, place);
+        (void)(waited ? mu_list_remove : mu_list_append)(&p->unmatched, MU_LINKS(p->at, unmatched),
+                                                         place);
     }
     p->hearers += (uint32_t)processes_hears(at) - (uint32_t)heard;
 }
@@ -98,13 +80,13 @@ void processes_session_on(struct processes *p, uint32_t place, enum session_even
 void processes_turn_on(struct processes *p, uint32_t place, enum turn_event event)
 {
     struct process *at = &p->at[place];
-    p->held -= processes_is_held(at);
-    p->refused -= processes_is_refused(at);
+    p->held -= at->turn == TURN_HELD;
+    p->refused -= at->turn == TURN_REFUSED;
     unsigned next = next_turn[at->turn][event];
     MU_ASSERT(next != X);
     at->turn = (enum turn_state)next;
-    p->held += processes_is_held(at);
-    p->refused += processes_is_refused(at);
+    p->held += at->turn == TURN_HELD;
+    p->refused += at->turn == TURN_REFUSED;
 }
 
 static void place_forget(struct processes *p, uint32_t place)
@@ -222,17 +204,13 @@ void processes_accept(struct processes *p, uint32_t place, const char *name)
 
 void processes_wake(struct processes *p, uint32_t place)
 {
-    processes_turn_on(p, place, TURN_WAKES);
     (void)mu_list_append(&p->queue, MU_LINKS(p->at, queued), place);
 }
 
 uint32_t processes_next(struct processes *p)
 {
     uint32_t place = mu_list_take(&p->queue, MU_LINKS(p->at, queued));
-    if (place != MU_NONE) {
-        p->all_awake = false;
-        processes_turn_on(p, place, TURN_LOOKED_AT);
-    }
+    p->all_awake = p->all_awake && place == MU_NONE;
     return place;
 }
 

@@ -71,22 +71,12 @@ enum session_event {
     SESSION_EVENTS
 };
 
-/* Its turn to be served: _READY, it is in the queue of those to look at; HELD, ordinary mail waits
- * for the dispatcher's next round; REFUSED, the network has refused its Delivery, which waits for
- * the next try. */
-enum turn_state {
-    TURN_IDLE,
-    TURN_READY,
-    TURN_HELD,
-    TURN_HELD_READY,
-    TURN_REFUSED,
-    TURN_REFUSED_READY,
-    TURNS
-};
+/* Its turn to be served, whether it is in the queue of those to look at or not: HELD, ordinary mail
+ * waits for the dispatcher's next round; REFUSED, the network has refused its Delivery, which waits
+ * for the next try. */
+enum turn_state { TURN_IDLE, TURN_HELD, TURN_REFUSED, TURNS };
 
 enum turn_event {
-    TURN_WAKES,
-    TURN_LOOKED_AT,
     TURN_IS_HELD,
     TURN_ROUND_BEGINS,
     TURN_IS_REFUSED,
@@ -114,9 +104,10 @@ struct process {
     uint64_t flooded_until_ns;
     uint64_t flood_wake_ns;         /* when it is woken, if it is held for that */
     struct mu_link queued, flooded; /* in the queue of those to look at, and of those held */
-    uint32_t seat;                  /* its number; no other place ever had it */
-    uint64_t serial;                /* of the last Delivery to it */
-    uint64_t version_had;           /* of the white pages */
+    struct mu_link unmatched;
+    uint32_t seat;        /* its number; no other place ever had it */
+    uint64_t serial;      /* of the last Delivery to it */
+    uint64_t version_had; /* of the white pages */
     uint64_t groups_had;
     uint64_t services_had;
     uint32_t claims; /* names that it waits for */
@@ -125,7 +116,6 @@ struct process {
     struct mu_list parts[PROCESSES_PARTS]; /* its agents: see below */
     struct mu_list queues[RESIDENT_QUEUES];
     uint32_t refusals_count;
-    uint32_t unmatched_at; /* where it stands among the unmatched, if it has not matched */
     struct refusal refusals[PROCESSES_REFUSALS];
 };
 
@@ -134,12 +124,11 @@ struct processes {
     uint32_t top;       /* entries ever used */
     uint32_t seats;     /* given out */
     uint32_t used_count;
-    uint32_t *unmatched; /* indices of those in use that have not matched */
-    uint32_t unmatched_count;
-    uint32_t hearers;       /* those that read multicasts */
-    uint32_t held, refused; /* those whose turn is so */
-    bool all_awake;         /* since something happened to all, none has been looked at */
-    struct mu_list queue;   /* of those to look at */
+    struct mu_list unmatched; /* those in use that have not matched */
+    uint32_t hearers;         /* those that read multicasts */
+    uint32_t held, refused;   /* those whose turn is so */
+    bool all_awake;           /* since something happened to all, none has been looked at */
+    struct mu_list queue;     /* of those to look at */
     struct mu_table names;
 };
 
@@ -177,16 +166,6 @@ uint32_t processes_next(struct processes *p);
 
 /** Something happens to the turn of a process; our own code aborts if it cannot. */
 void processes_turn_on(struct processes *p, uint32_t place, enum turn_event event);
-
-static inline bool processes_is_held(const struct process *at)
-{
-    return at->turn == TURN_HELD || at->turn == TURN_HELD_READY;
-}
-
-static inline bool processes_is_refused(const struct process *at)
-{
-    return at->turn == TURN_REFUSED || at->turn == TURN_REFUSED_READY;
-}
 
 static inline bool processes_is_matched(const struct process *at)
 {

@@ -67,7 +67,6 @@ static void outlet_close(struct outlets *m, struct outlet *bag)
 
 void outlets_follow(struct outlets *m, const struct broker *b)
 {
-    const char *process;
     uint32_t kept = 0;
     for (uint32_t i = 0; i < m->count; i++) {
         uint32_t index = m->order[i];
@@ -80,7 +79,7 @@ void outlets_follow(struct outlets *m, const struct broker *b)
         }
     }
     m->count = kept;
-    for (uint32_t i = 0; (process = broker_process(b, i)); i++) {
+    for (const char *process = NULL; (process = broker_process(b, process));) {
         if (!outlets_find(m, process)) {
             outlet_open(m, process);
         }

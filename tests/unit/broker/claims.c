@@ -170,9 +170,9 @@ static void test_claim_is_given_up(void)
     story_begin();
     story_join("red");
     story_register("red", "p2");
-    CU_ASSERT_STRING_EQUAL(broker_process(story.b, 0), "p2");
+    CU_ASSERT_STRING_EQUAL(broker_process(story.b, NULL), "p2");
     story_gone("p2");
-    CU_ASSERT_PTR_NULL(broker_process(story.b, 0));
+    CU_ASSERT_PTR_NULL(broker_process(story.b, NULL));
     CU_ASSERT_FALSE(broker_serves(story.b, "p2"));
     story_tick(2000 * MS);
     EXPECT("");

@@ -49,8 +49,7 @@ void net_match(void)
 {
     for (int i = 0; i < PROCESSES; i++) {
         struct history_process *p = &history.processes[i];
-        const char *wanted;
-        for (uint32_t k = 0; (wanted = broker_process(history.life.b, k)); k++) {
+        for (const char *wanted = NULL; (wanted = broker_process(history.life.b, wanted));) {
             if (strcmp(wanted, p->name) == 0 && p->alive && p->reaches && !history_chance(3)) {
                 history_note("%s has matched", p->name);
                 p->hears = false;
