@@ -286,5 +286,5 @@ bool broker_serves(const struct broker *b, const char *process)
 
 bool broker_takes_names(const struct broker *b)
 {
-    return registry_has_room(&b->registry);
+    return b->registry.ordinary.live < b->registry.ordinary.size;
 }

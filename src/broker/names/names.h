@@ -151,16 +151,13 @@ struct retirement {
 };
 
 struct registry {
-    struct agent *agents; /* REGISTRY_MAX of them; a free one has no name */
-    uint32_t count;       /* no agent has a higher index */
-    uint32_t live;        /* names that there are */
-    uint32_t present;     /* agents that are there, the broker and its parts not counted */
-    uint32_t *order;      /* indices in order of name: live of them */
-    uint32_t most;        /* ordinary indices that may be */
-    uint32_t used;        /* those ever given out */
-    uint32_t *free;       /* those of names that have ended */
-    uint32_t free_count;
-    uint64_t kept; /* a bit for each place of REGISTRY_KEPT that is taken */
+    struct agent *agents;    /* REGISTRY_MAX of them; a free one has no name */
+    uint32_t count;          /* no agent has a higher index */
+    uint32_t live;           /* names that there are */
+    uint32_t present;        /* agents that are there, the broker and its parts not counted */
+    uint32_t *order;         /* indices in order of name: live of them */
+    struct mu_pool ordinary; /* the indices of all but commands that found no place among them, */
+    struct mu_pool kept;     /* and of those, from REGISTRY_ORDINARY on */
     struct graveyard graveyard;
     uint32_t roomless; /* names of the store that had no place when the broker began */
     struct changelog changes;
@@ -216,9 +213,6 @@ uint32_t registry_add_command(struct registry *r, const char *name);
 
 /** Ends a name: it goes to the graveyard, and its index to the next name that comes. */
 void registry_remove(struct registry *r, uint32_t agent);
-
-/** @return whether registry_add has a place for one more */
-bool registry_has_room(const struct registry *r);
 
 /** @return whether names should end that can: fewer than an eighth is free */
 bool registry_is_crowded(const struct registry *r);

@@ -39,10 +39,11 @@ bool registry_is_ending(const struct agent *a)
 void registry_init(struct registry *r, uint32_t names)
 {
     MU_ASSERT(names <= MU_AGENTS_MAX);
-    *r = (struct registry){.most = names + REGISTRY_OWN};
+    *r = (struct registry){.count = 0};
+    mu_pool_init(&r->ordinary, names + REGISTRY_OWN);
+    mu_pool_init(&r->kept, REGISTRY_KEPT);
     r->agents = mu_startup_array(REGISTRY_MAX, sizeof *r->agents);
     r->order = mu_startup_array(REGISTRY_MAX, sizeof *r->order);
-    r->free = mu_startup_array(REGISTRY_ORDINARY, sizeof *r->free);
     graveyard_init(&r->graveyard);
     changelog_init(&r->changes, REGISTRY_MAX);
     mu_table_init(&r->names, REGISTRY_MAX);
@@ -94,34 +95,6 @@ static void order_remove(struct registry *r, uint32_t agent)
     memmove(&r->order[at], &r->order[at + 1], (r->live - at) * sizeof *r->order);
 }
 
-static uint32_t index_take(struct registry *r)
-{
-    if (r->free_count > 0) {
-        return r->free[--r->free_count];
-    }
-    return r->used < r->most ? r->used++ : MU_NONE;
-}
-
-static uint32_t index_take_kept(struct registry *r)
-{
-    for (uint32_t i = 0; i < REGISTRY_KEPT; i++) {
-        if (!(r->kept & 1ull << i)) {
-            r->kept |= 1ull << i;
-            return REGISTRY_ORDINARY + i;
-        }
-    }
-    return MU_NONE;
-}
-
-static void index_give(struct registry *r, uint32_t index)
-{
-    if (index < REGISTRY_ORDINARY) {
-        r->free[r->free_count++] = index;
-    } else {
-        r->kept &= ~(1ull << (index - REGISTRY_ORDINARY));
-    }
-}
-
 static void agent_clear(struct agent *a)
 {
     *a = (struct agent){.process = MU_NONE, .claim = MU_NONE, .left = MU_NONE};
@@ -146,12 +119,13 @@ static uint32_t index_name(struct registry *r, uint32_t index, const char *name)
 
 uint32_t registry_add(struct registry *r, const char *name)
 {
-    return index_name(r, index_take(r), name);
+    return index_name(r, mu_pool_take(&r->ordinary), name);
 }
 
 uint32_t registry_add_command(struct registry *r, const char *name)
 {
-    return index_name(r, index_take_kept(r), name);
+    uint32_t kept = mu_pool_take(&r->kept);
+    return index_name(r, kept != MU_NONE ? REGISTRY_ORDINARY + kept : MU_NONE, name);
 }
 
 void registry_remove(struct registry *r, uint32_t agent)
@@ -165,18 +139,17 @@ void registry_remove(struct registry *r, uint32_t agent)
     (void)changelog_gone(
         &r->changes); /* a process that knew the name knows that its bearer has left */
     agent_clear(a);
-    index_give(r, agent);
+    if (agent < REGISTRY_ORDINARY) {
+        mu_pool_give(&r->ordinary, agent);
+    } else {
+        mu_pool_give(&r->kept, agent - REGISTRY_ORDINARY);
+    }
     registry_mark_page(r, agent / REGISTRY_PAGE);
-}
-
-bool registry_has_room(const struct registry *r)
-{
-    return r->free_count > 0 || r->used < r->most;
 }
 
 bool registry_is_crowded(const struct registry *r)
 {
-    return r->live >= r->most - (r->most - REGISTRY_OWN) / 8;
+    return r->live >= r->ordinary.size - (r->ordinary.size - REGISTRY_OWN) / 8;
 }
 
 static struct mu_links page_links(struct registry *r)
