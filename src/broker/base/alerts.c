@@ -8,15 +8,17 @@ void alerts_init(struct alerts *e, uint32_t agents)
     *e = (struct alerts){.all = mu_startup_array((size_t)agents * ALERT_KINDS, sizeof *e->all)};
 }
 
-void alerts_note(struct alerts *e, const struct alert *event)
+void alerts_note(struct alerts *e, enum alert_kind kind, uint32_t agent, uint32_t sender,
+                 uint64_t now_ns)
 {
-    uint32_t index = event->agent * ALERT_KINDS + (uint32_t)event->kind;
+    uint32_t index = agent * ALERT_KINDS + (uint32_t)kind;
     struct alert *known = &e->all[index];
-    struct alert both = *event;
     (void)mu_list_append(&e->queue, MU_LINKS(e->all, link), index);
-    both.count += known->count;
-    both.link = known->link;
-    *known = both;
+    known->kind = kind;
+    known->agent = agent;
+    known->sender = sender;
+    known->count++;
+    known->at_ns = now_ns;
 }
 
 bool alerts_next(struct alerts *e, uint64_t now_ns, struct alert *out)
@@ -33,10 +35,4 @@ bool alerts_next(struct alerts *e, uint64_t now_ns, struct alert *out)
     next->count = 0;
     e->ready--;
     return true;
-}
-
-const char *alerts_kind_word(enum alert_kind kind)
-{
-    static const char *const kinds[ALERT_KINDS] = {"box-full", "dropped", "over-share", "refused"};
-    return kinds[kind];
 }

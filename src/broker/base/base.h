@@ -97,10 +97,9 @@ static inline uint64_t clock_mail_ns(const struct clock *c)
     return (clock_by_steps(c) ? c->run_ns : c->now_ns) + c->mail_lead_ns;
 }
 
-/** While the broker's clock moves the time: when it shows this time of the mail clock or of the
- * run. */
-uint64_t clock_now_of_mail_ns(const struct clock *c, uint64_t mail_ns);
-uint64_t clock_now_of_run_ns(const struct clock *c, uint64_t run_ns);
+/** While the broker's clock moves the time: what it shows when another clock, the run's or that of
+ * mail, which shows this now, will show that; what is past is due now. */
+uint64_t clock_then_ns(const struct clock *c, uint64_t shows_ns, uint64_t then_ns);
 
 /** @return nanoseconds since 1970 */
 static inline uint64_t clock_wall_ns(const struct clock *c)
@@ -239,14 +238,12 @@ struct alerts {
 
 void alerts_init(struct alerts *e, uint32_t agents);
 
-/** One more of a kind. */
-void alerts_note(struct alerts *e, const struct alert *event);
+/** One more of a kind; agent and sender as in struct alert. */
+void alerts_note(struct alerts *e, enum alert_kind kind, uint32_t agent, uint32_t sender,
+                 uint64_t now_ns);
 
 /** Gives what may be told now.  @return false when there is nothing */
 bool alerts_next(struct alerts *e, uint64_t now_ns, struct alert *out);
-
-/** @return the word for a kind, as tools see it */
-const char *alerts_kind_word(enum alert_kind kind);
 
 /* --- validate.c ------------------------------------------------------------------------------ */
 

@@ -29,21 +29,10 @@ uint64_t clock_patience_ns(const struct clock *c, uint64_t wall_ns, uint64_t ste
     return clock_by_steps(c) ? steps * c->step_ns : wall_ns;
 }
 
-/* When a clock that shows this will show that; what is past is due now. */
-static uint64_t now_of(const struct clock *c, uint64_t shows_ns, uint64_t then_ns)
+uint64_t clock_then_ns(const struct clock *c, uint64_t shows_ns, uint64_t then_ns)
 {
     uint64_t ahead_ns = then_ns > shows_ns ? then_ns - shows_ns : 0;
     return clock_after_ns(c->now_ns, ahead_ns);
-}
-
-uint64_t clock_now_of_mail_ns(const struct clock *c, uint64_t mail_ns)
-{
-    return now_of(c, clock_mail_ns(c), mail_ns);
-}
-
-uint64_t clock_now_of_run_ns(const struct clock *c, uint64_t run_ns)
-{
-    return now_of(c, clock_run_ns(c), run_ns);
 }
 
 uint64_t clock_stamp_ns(const struct clock *c)

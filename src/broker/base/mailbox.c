@@ -216,10 +216,7 @@ static void queue_hand_out(struct mailbox *m, struct box *box, enum post_list li
 
 void mailbox_hand_out(struct mailbox *m, uint32_t agent, enum mailbox_gate gate, uint32_t written)
 {
-    if (!mailbox_is_begun(m, agent)) {
-        return;
-    }
-    struct box *box = mailbox_box(m, agent);
+    struct box *box = &m->boxes[agent];
     if (gate != GATE_SHUT) {
         queue_hand_out(m, box, POST_URGENT, MU_WINDOW_MAX + MAILBOX_RESERVE, &written);
     }
@@ -251,10 +248,7 @@ void mailbox_hand_next(struct mailbox *m, uint32_t agent, const struct mail *mai
 
 void mailbox_take_back(struct mailbox *m, uint32_t agent)
 {
-    if (!mailbox_is_begun(m, agent)) {
-        return;
-    }
-    struct box *box = mailbox_box(m, agent);
+    struct box *box = &m->boxes[agent];
     uint32_t post = mu_list_last(&box->lists[POST_FLIGHT].posts);
     while (post != MU_NONE && !m->posts[post].sent) {
         uint32_t before = mu_list_prev(links_of(m, LINKS_BOX), post);
@@ -288,12 +282,11 @@ uint32_t mailbox_mark_written(struct mailbox *m, uint32_t agent, uint32_t count,
 
 void mailbox_repeat(struct mailbox *m, uint32_t agent)
 {
-    if (!mailbox_is_begun(m, agent)) {
-        return;
+    struct box *box = &m->boxes[agent];
+    if (box->begun) {
+        box->out = mu_list_first(&box->lists[POST_FLIGHT].posts);
+        box->written = 0;
     }
-    struct box *box = mailbox_box(m, agent);
-    box->out = mu_list_first(&box->lists[POST_FLIGHT].posts);
-    box->written = 0;
 }
 
 struct mail *mailbox_pop(struct mailbox *m, uint32_t agent)

@@ -106,7 +106,7 @@ struct box_limits {
 };
 
 struct box {
-    bool begun;
+    bool begun; /* it was ever used: memory of others stays untouched */
     struct post_queue lists[POST_FLIGHT + 1]; /* POST_HELD: its count alone */
     uint64_t base;                            /* the number before the first one of all, */
     uint64_t acked;                           /* and before the first one in flight */
@@ -125,7 +125,8 @@ struct mailbox {
     struct mu_pool posts_pool;
     uint64_t base;          /* every box counts from here */
     struct box *boxes;      /* one for each agent of the registry */
-    struct mu_list watched; /* the box without progress for longest is the first */
+    struct mu_list watched; /* those that wait for an acknowledgement; the one without progress for
+                               longest is the first */
     struct mailbox_shares shares;
     struct box_limits limits; /* of boxes that have none of their own */
 };
@@ -146,12 +147,6 @@ static inline struct box *mailbox_box(struct mailbox *m, uint32_t agent)
 /** An agent's name ends, whose box is empty.  Boxes that begin later count from beyond its numbers:
  * a receiver that comes back drops none of them as had. */
 void mailbox_end(struct mailbox *m, uint32_t agent);
-
-/** @return whether the agent's box was ever used: memory of others stays untouched */
-static inline bool mailbox_is_begun(const struct mailbox *m, uint32_t agent)
-{
-    return m->boxes[agent].begun;
-}
 
 /**
  * Sets the limits of all boxes that have none of their own.
@@ -202,12 +197,6 @@ static inline uint32_t mailbox_next(const struct mailbox *m, uint32_t post)
 static inline uint32_t mailbox_sibling(const struct mailbox *m, uint32_t post)
 {
     return mu_list_next(MU_LINKS(m->posts, links[LINKS_MAIL]), post);
-}
-
-/** @return the box without progress for longest, of those that wait for an acknowledgement */
-static inline uint32_t mailbox_watched(const struct mailbox *m)
-{
-    return mu_list_first(&m->watched);
 }
 
 /**
@@ -261,12 +250,6 @@ static inline uint64_t mailbox_last_number(const struct mailbox *m, uint32_t age
 {
     const struct box *box = &m->boxes[agent];
     return box->begun ? box->acked + box->lists[POST_FLIGHT].posts.count : m->base;
-}
-
-/** @return whether the receiver can have had this number */
-static inline bool mailbox_number_valid(const struct mailbox *m, uint32_t agent, uint64_t number)
-{
-    return number <= mailbox_last_number(m, agent);
 }
 
 /** Takes out the oldest post in flight, as acknowledged.  @return its mail */
@@ -348,8 +331,5 @@ const struct receipt *receipts_next(const struct receipts *r, uint32_t agent,
 
 /** Removes the oldest count receipts of an agent. */
 void receipts_drop(struct receipts *r, uint32_t agent, uint32_t count);
-
-/** The oldest count receipts of an agent are out: they are kept until it is known to have them. */
-void receipts_tell(struct receipts *r, uint32_t agent, uint32_t count);
 
 #endif

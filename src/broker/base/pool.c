@@ -71,7 +71,7 @@ static void *record_take(struct pool *s, uint32_t size_class)
     return record;
 }
 
-static void record_give(struct pool *s, struct mail *m)
+void pool_free(struct pool *s, struct mail *m)
 {
     uint32_t index = (uint32_t)((size_t)((unsigned char *)m - s->memory) / POOL_SLAB_BYTES);
     struct pool_slab *slab = &s->slabs[index];
@@ -79,6 +79,7 @@ static void record_give(struct pool *s, struct mail *m)
     memcpy(record, &slab->free, sizeof slab->free);
     slab->free = record;
     slab->live--;
+    s->mails--;
     (void)mu_list_prepend(open_slabs(s, index), MU_LINKS(s->slabs, link), index);
     if (slab->live == 0) {
         (void)mu_list_remove(open_slabs(s, index), MU_LINKS(s->slabs, link), index);
@@ -134,12 +135,6 @@ struct mail *pool_put(struct pool *s, const muster_Mail *letter)
                        .bytes = (uint32_t)bytes,
                        .size_class = size_class};
     return m;
-}
-
-void pool_free(struct pool *s, struct mail *m)
-{
-    s->mails--;
-    record_give(s, m);
 }
 
 struct mail *pool_each(const struct pool *s, uint32_t *place)

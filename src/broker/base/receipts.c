@@ -50,9 +50,3 @@ void receipts_drop(struct receipts *r, uint32_t agent, uint32_t count)
         mu_pool_give(&r->pool, mu_list_take(&r->queues[agent], MU_LINKS(r->at, link)));
     }
 }
-
-void receipts_tell(struct receipts *r, uint32_t agent, uint32_t count)
-{
-    MU_ASSERT(count <= receipts_count(r, agent));
-    r->told[agent] = count;
-}

@@ -6,18 +6,11 @@
 #include <string.h>
 
 /* Only a broker speaks for agents that live elsewhere. */
-static bool validate_home(const muster_Entry *e, bool of_a_broker)
-{
-    if (e->home[0] == '\0') {
-        return true;
-    }
-    return of_a_broker && mu_name_valid(e->home);
-}
-
 bool validate_entry(const muster_Entry *e, bool of_a_broker)
 {
     return validate_kind_word(e->kind) && validate_state_word(e->state) &&
-           (unsigned)e->full <= muster_BOX_DROP_LOWEST && validate_home(e, of_a_broker);
+           (unsigned)e->full <= muster_BOX_DROP_LOWEST &&
+           (e->home[0] == '\0' || (of_a_broker && mu_name_valid(e->home)));
 }
 
 bool validate_step(int64_t step, uint64_t step_ns, bool by_steps)

@@ -109,6 +109,7 @@ void broker_page_untold(struct broker *b, const muster_Page *page)
 
 bool broker_event_next(struct broker *b, muster_BrokerEvent *out)
 {
+    static const char *const kinds[ALERT_KINDS] = {"box-full", "dropped", "over-share", "refused"};
     struct alert event;
     if (!alerts_next(&b->alerts, b->clock.now_ns, &event)) {
         return false;
@@ -118,7 +119,7 @@ bool broker_event_next(struct broker *b, muster_BrokerEvent *out)
                                 .count = event.count,
                                 .wall_ns = b->clock.wall_ns + event.at_ns};
     out->broker = sample_text(b->name);
-    out->kind = sample_text(alerts_kind_word(event.kind));
+    out->kind = sample_text(kinds[event.kind]);
     return true;
 }
 

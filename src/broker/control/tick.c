@@ -10,17 +10,15 @@ static const uint64_t RESEND_AFTER_NS = 1000000000;
 
 static uint64_t resend_deadline_ns(const struct broker *b)
 {
-    uint32_t agent = mailbox_watched(&b->mailbox);
-    if (agent == MU_NONE) {
-        return UINT64_MAX;
-    }
-    return clock_after_ns(b->mailbox.boxes[agent].progress_ns, RESEND_AFTER_NS);
+    uint32_t agent = mu_list_first(&b->mailbox.watched);
+    return agent != MU_NONE ? clock_after_ns(b->mailbox.boxes[agent].progress_ns, RESEND_AFTER_NS)
+                            : UINT64_MAX;
 }
 
 static void resend_tick(struct broker *b)
 {
     while (resend_deadline_ns(b) <= b->clock.now_ns) {
-        uint32_t agent = mailbox_watched(&b->mailbox);
+        uint32_t agent = mu_list_first(&b->mailbox.watched);
         mailbox_repeat(&b->mailbox, agent);
         names_tell_number(&b->registry, &b->processes,
                           agent); /* what said so may be what was lost */
@@ -65,15 +63,17 @@ static uint64_t mail_deadline_ns(const struct broker *b)
     const uint64_t times_ns[] = {expiry ? expiry->at_ns[TIMERS_EXPIRY] : UINT64_MAX,
                                  b->pages.services.soonest_ns, resolve_deadline_mail_ns(b)};
     uint64_t first_ns = earliest_ns(times_ns, sizeof times_ns / sizeof times_ns[0]);
-    return first_ns != UINT64_MAX ? clock_now_of_mail_ns(&b->clock, first_ns) : UINT64_MAX;
+    return first_ns != UINT64_MAX ? clock_then_ns(&b->clock, clock_mail_ns(&b->clock), first_ns)
+                                  : UINT64_MAX;
 }
 
 /* @return when held mail is due, in broker time */
 static uint64_t due_deadline_ns(const struct broker *b)
 {
     const struct mail *due = timers_first(&b->due);
-    return due && b->clock.runs ? clock_now_of_run_ns(&b->clock, due->at_ns[TIMERS_DUE])
-                                : UINT64_MAX;
+    return due && b->clock.runs
+               ? clock_then_ns(&b->clock, clock_run_ns(&b->clock), due->at_ns[TIMERS_DUE])
+               : UINT64_MAX;
 }
 
 uint64_t broker_deadline_ns(const struct broker *b)

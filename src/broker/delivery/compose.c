@@ -44,7 +44,7 @@ static bool parcels_fill(struct broker *b, struct dispatch_part *part, struct di
                          muster_Delivery *d)
 {
     uint32_t agent = part->agent;
-    if (!mailbox_is_begun(&b->mailbox, agent) || scope_waits(registry_scope(&b->registry, agent))) {
+    if (!b->mailbox.boxes[agent].begun || scope_waits(registry_scope(&b->registry, agent))) {
         return true;
     }
     struct box *box = mailbox_box(&b->mailbox, agent);

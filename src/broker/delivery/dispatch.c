@@ -16,7 +16,7 @@ void dispatch_init(struct dispatch *c)
 /* @return whether there is a directive to hand out, or anything to go out once more */
 static bool box_is_urgent(struct broker *b, uint32_t agent)
 {
-    if (!mailbox_is_begun(&b->mailbox, agent)) {
+    if (!b->mailbox.boxes[agent].begun) {
         return false;
     }
     const struct box *box = mailbox_box(&b->mailbox, agent);
@@ -170,16 +170,15 @@ static void part_delivered(struct broker *b, const struct dispatch_part *part)
 {
     /* In a run, the next life of its process hears them again if this one dies before it answers.
      */
-    bool is_kept = scope_is_inside(b->dispatch.view.scope);
-    if (is_kept) {
-        receipts_tell(&b->receipts, part->agent, part->receipts);
+    if (scope_is_inside(b->dispatch.view.scope)) {
+        b->receipts.told[part->agent] = part->receipts;
     } else if (part->receipts > 0) {
         receipts_drop(&b->receipts, part->agent, part->receipts);
     }
     if (part->verdict) {
         names_bearer_on(&b->registry, part->agent, BEARER_TELLS);
     }
-    if (!mailbox_is_begun(&b->mailbox, part->agent)) {
+    if (!b->mailbox.boxes[part->agent].begun) {
         return;
     }
     bool paced = scope_is_paced(b->dispatch.view.scope);

@@ -37,7 +37,7 @@ static void post_drop(struct broker *b, uint32_t victim, uint32_t agent)
 static bool post_put(struct broker *b, struct mail *m, uint32_t agent, bool held)
 {
     uint32_t victim = MU_NONE;
-    if (!mailbox_is_begun(&b->mailbox, agent)) {
+    if (!b->mailbox.boxes[agent].begun) {
         names_tell_number(&b->registry, &b->processes, agent);
     }
     enum mailbox_room room = quota_box_ask(&b->mailbox, agent, m, &victim);

@@ -59,9 +59,7 @@ static enum quota_answer account_book(struct quota_accounts *a, enum quota_side 
 
 void ledger_alert(struct broker *b, enum alert_kind kind, uint32_t agent, uint32_t sender)
 {
-    struct alert event = {
-        .agent = agent, .sender = sender, .count = 1, .at_ns = b->clock.now_ns, .kind = kind};
-    alerts_note(&b->alerts, &event);
+    alerts_note(&b->alerts, kind, agent, sender, b->clock.now_ns);
 }
 
 void ledger_refused(struct broker *b, const struct mail *m, uint32_t agent, enum quota_answer why,

@@ -129,15 +129,12 @@ void outcome_admit_due(struct broker *b, uint64_t run_ns)
 
 void outcome_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
 {
-    if (!mailbox_number_valid(&b->mailbox, agent, number)) {
+    struct box *box = &b->mailbox.boxes[agent];
+    if (number > mailbox_last_number(&b->mailbox, agent)) { /* it cannot have had that */
         b->counters.malformed++;
         return;
     }
-    if (!mailbox_is_begun(&b->mailbox, agent)) {
-        return;
-    }
-    struct box *box = mailbox_box(&b->mailbox, agent);
-    if (number <= box->acked) {
+    if (!box->begun || number <= box->acked) {
         return;
     }
     bool beyond = names_is_beyond(&b->registry, &b->processes, agent);

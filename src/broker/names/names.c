@@ -59,8 +59,7 @@ void names_hold(struct broker *b, uint32_t agent)
 void names_owe_verdict(struct broker *b, uint32_t agent)
 {
     struct agent *a = &b->registry.agents[agent];
-    bool owes =
-        b->processes.at[a->process].kind != PROCESS_BROKER || mailbox_is_begun(&b->mailbox, agent);
+    bool owes = b->processes.at[a->process].kind != PROCESS_BROKER || b->mailbox.boxes[agent].begun;
     a->seated_above = mailbox_last_number(&b->mailbox, agent);
     names_bearer_on(&b->registry, agent, owes ? BEARER_OWES : BEARER_OWES_NOTHING);
 }

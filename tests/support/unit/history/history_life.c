@@ -101,7 +101,7 @@ static void check_boxes(struct broker *b)
 {
     for (int name = 0; name < NAMES; name++) {
         uint32_t agent = registry_find(&b->registry, history_name(name));
-        if (agent == MU_NONE || !mailbox_is_begun(&b->mailbox, agent)) {
+        if (agent == MU_NONE || !b->mailbox.boxes[agent].begun) {
             continue;
         }
         const struct box *box = mailbox_box(&b->mailbox, agent);
