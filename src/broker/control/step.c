@@ -148,7 +148,8 @@ static void lines_tell(struct broker *b, uint32_t place)
 {
     PROCESSES_EACH_AGENT (b, agent, place) {
         registry_touch(&b->registry, agent);
-        notify_enter(b, agent);
+        groups_enter(&b->pages.groups, b->registry.agents[agent].name);
+        notify_presence(b, agent);
     }
 }
 
@@ -205,7 +206,7 @@ static void lockstep_end(struct broker *b)
             0; /* and of those outside, it has missed changes */
         place_leave(b, l->roster[i]);
     }
-    notify_thaw(b);
+    notify_run(b, false);
     processes_wake(&b->processes, simulator);
     processes_tidy(&b->processes, simulator);
 }
@@ -224,7 +225,7 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
 {
     struct steps *l = &b->steps;
     run_forget(b);
-    route_resolve_give_up(b);
+    route_resolve_expire(b, UINT64_MAX); /* no question from before has a place in it */
     clock_start(&b->clock, roster->step_ns, (uint64_t)roster->step * roster->step_ns);
     steps_set_held(b, roster->held);
     l->step = roster->step;
@@ -238,7 +239,7 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
         b->processes.at[l->roster[i]].version_had = 0; /* the whole pages, as of now */
         view_forget_told(&b->processes.at[l->roster[i]]);
     }
-    notify_freeze(b);
+    notify_run(b, true);
 }
 
 /* A run that goes on with other processes.  The simulator may be a step ahead: it has an answer

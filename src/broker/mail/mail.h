@@ -323,18 +323,16 @@ void resolve_wait(struct broker *b, struct mail *m);
 bool resolve_is_answer(const struct mail *m);
 
 /*
- * Each of the next three ends one wait, and returns the sender whose mails the caller then takes by
+ * Each of the next two ends one wait, and returns the sender whose mails the caller then takes by
  * resolve_next_ready; MU_NONE: no wait ended.
  */
 
 /** Takes the answer of a resolver. */
 uint32_t resolve_take_answer(struct broker *b, struct mail *m);
 
-/** Ends a wait for an answer that is overdue.  @param mail_ns  the mail clock */
+/** Ends a wait for an answer that is overdue.  @param mail_ns  the mail clock; UINT64_MAX: all are
+ */
 uint32_t resolve_overdue(struct broker *b, uint64_t mail_ns);
-
-/** Ends a wait, because a run begins: no question from before has a place in it. */
-uint32_t resolve_give_up(struct broker *b);
 
 /**
  * Takes the next mail of a sender that need not wait any more.

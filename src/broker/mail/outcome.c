@@ -193,20 +193,13 @@ void outcome_on_disk(struct broker *b, struct mail *m)
 void outcome_undo(struct broker *b, struct mail *m)
 {
     uint32_t next = MU_NONE;
+    outcome_end(b, m, muster_OUTCOME_NO_STORE);
     for (uint32_t post = mu_list_first(&m->posts); post != MU_NONE; post = next) {
         next = mailbox_sibling(&b->mailbox, post);
         mailbox_withdraw(&b->mailbox, post);
-        b->counters.waiting--;
         b->counters.no_store++;
-        m->unsettled--;
-        ledger_settle(b, m);
+        outcome_settle(b, m);
     }
-    MU_ASSERT(m->unsettled == 0);
-    timers_remove(&b->due, m);
-    timers_remove(&b->expiry, m);
-    arrivals_remove(&b->arrivals, m);
-    outcome_end(b, m, muster_OUTCOME_NO_STORE);
-    pool_release(&b->pool, m);
 }
 
 /* So long the broker keeps receipts for senders of an earlier life of it, and for those that have

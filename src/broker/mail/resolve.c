@@ -196,9 +196,3 @@ uint64_t resolve_deadline_mail_ns(const struct broker *b)
 {
     return mu_list_first(&b->resolve.waits_asked) != MU_NONE ? b->resolve.soonest_ns : UINT64_MAX;
 }
-
-uint32_t resolve_give_up(struct broker *b)
-{
-    uint32_t first = mu_list_first(&b->resolve.waits_asked);
-    return first != MU_NONE ? wait_answer(b, first, NULL) : MU_NONE;
-}

@@ -110,28 +110,11 @@ void notify_expire(struct broker *b, uint64_t mail_ns)
 
 /* --- a run by steps --------------------------------------------------------------------------- */
 
-static void subscribers_review(struct broker *b, bool silently)
+void notify_run(struct broker *b, bool begins)
 {
+    groups_freeze(&b->pages.groups); /* behind a run there is one view */
     for (uint32_t i = 0; i < b->pages.subscriptions.count; i++) {
+        bool silently = begins; /* what is not seen inside goes without a word */
         notify_review(b, subscriptions_at(&b->pages.subscriptions, i), silently);
     }
-}
-
-void notify_freeze(struct broker *b)
-{
-    groups_freeze(&b->pages.groups);
-    subscribers_review(b, true); /* what is not seen inside goes without a word */
-}
-
-void notify_thaw(struct broker *b)
-{
-    groups_freeze(&b->pages.groups); /* there is one view now */
-    subscribers_review(b, false);
-}
-
-void notify_enter(struct broker *b, uint32_t agent)
-{
-    const char *name = b->registry.agents[agent].name;
-    groups_enter(&b->pages.groups, name);
-    notify_presence(b, agent);
 }

@@ -40,6 +40,7 @@ void request_not_understood(struct broker *b, const struct mail *question)
 void request_changed(struct broker *b, const struct mail *question, const char *refusal,
                      const char *name)
 {
+    notify_tell(b);
     b->counters.malformed +=
         refusal && (strcmp(refusal, "not-a-name") == 0 || strcmp(refusal, "not-attributes") == 0);
     if (question->letter.reply_with[0] == '\0') {
@@ -126,9 +127,7 @@ void request_make_change(struct broker *b, const struct mail *question, struct l
     const char *agent = request_actor(b, question, named);
     if (agent) {
         struct said said = view_said(b);
-        const char *refusal = change(table, name, agent, &said);
-        notify_tell(b);
-        request_changed(b, question, refusal, name);
+        request_changed(b, question, change(table, name, agent, &said), name);
     }
 }
 

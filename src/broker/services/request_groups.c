@@ -14,9 +14,7 @@ void request_group_create(struct broker *b, const struct mail *question)
     request_name group;
     if (request_read_name(b, question, group)) {
         struct said said = view_said(b);
-        const char *refusal = groups_create(&b->pages.groups, group, &said);
-        notify_tell(b);
-        request_changed(b, question, refusal, group);
+        request_changed(b, question, groups_create(&b->pages.groups, group, &said), group);
     }
 }
 

@@ -52,7 +52,6 @@ void request_advertise(struct broker *b, const struct mail *question)
     }
     struct said said = view_said(b);
     const char *refusal = services_advertise(&b->pages.services, a.service, agent, &offer, &said);
-    notify_tell(b);
     request_changed(b, question, refusal, a.service);
 }
 

@@ -284,10 +284,3 @@ void route_resolve_expire(struct broker *b, uint64_t mail_ns)
         mails_pump(b, s);
     }
 }
-
-void route_resolve_give_up(struct broker *b)
-{
-    for (uint32_t s; (s = resolve_give_up(b)) != MU_NONE;) {
-        mails_pump(b, s);
-    }
-}

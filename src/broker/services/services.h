@@ -139,7 +139,7 @@ const char *request_actor(struct broker *b, const struct mail *question, const c
 /** Answers that the question could not be read, and counts it. */
 void request_not_understood(struct broker *b, const struct mail *question);
 
-/** Answers a change; refusal: NULL when it is done. */
+/** A change is news, and is answered; refusal: NULL when it is done. */
 void request_changed(struct broker *b, const struct mail *question, const char *refusal,
                      const char *name);
 
@@ -209,10 +209,9 @@ void notify_presence(struct broker *b, uint32_t agent);
 /** Ends leases.  @param mail_ns  the mail clock */
 void notify_expire(struct broker *b, uint64_t mail_ns);
 
-/** A run that goes by steps begins, ends, takes in an agent. */
-void notify_freeze(struct broker *b);
-void notify_thaw(struct broker *b);
-void notify_enter(struct broker *b, uint32_t agent);
+/** A run that goes by steps begins, or (begins false) has ended: what stands now is what is seen in
+ * it. */
+void notify_run(struct broker *b, bool begins);
 
 /* --- route.c --------------------------------------------------------------------------------- */
 
@@ -226,9 +225,9 @@ void route_letter(struct broker *b, uint32_t sender, const muster_Mail *letter,
 /** Puts an admitted mail on its way.  @return false if its sender may not send such a mail */
 bool route_mail(struct broker *b, struct mail *m);
 
-/** Ends all waits for answers that are overdue, or all waits, and routes the mails that waited. */
+/** Ends all waits for answers that are overdue, as resolve_overdue says, and routes the mails that
+ * waited. */
 void route_resolve_expire(struct broker *b, uint64_t mail_ns);
-void route_resolve_give_up(struct broker *b);
 
 /** Mail that came from outside sets out: now, or with the end of the step, if it meets the run. */
 void route_from_outside(struct broker *b, struct mail *m);
