@@ -49,6 +49,47 @@ static void request_listing(struct broker *b, const struct mail *question)
     request_list_end(b, &list);
 }
 
+static void request_groups(struct broker *b, const struct mail *question)
+{
+    struct request_list list;
+    bool inside = view_inside(b, question->sender);
+    uint32_t place = 0;
+    request_list_begin(b, &list, question, "groups", "");
+    for (const char *name; (name = groups_name(&b->pages.groups, inside, &place));) {
+        request_list_add(b, &list, name);
+    }
+    request_list_end(b, &list);
+}
+
+static void request_members(struct broker *b, const struct mail *question)
+{
+    request_name group;
+    struct request_list list;
+    bool inside = view_inside(b, question->sender);
+    uint32_t place = 0;
+    if (!request_read_name(b, question, group)) {
+        return;
+    }
+    if (strlen(group) > MU_NAME_MAX || !groups_exists(&b->pages.groups, group, inside)) {
+        answer_word(b, question, "failure", "unknown-group", group);
+        return;
+    }
+    request_list_begin(b, &list, question, "members-of", group);
+    for (const char *name; (name = groups_member(&b->pages.groups, group, inside, &place));) {
+        request_list_add(b, &list, name);
+    }
+    request_list_end(b, &list);
+}
+
+static void request_group_create(struct broker *b, const struct mail *question)
+{
+    request_name group;
+    if (request_read_name(b, question, group)) {
+        struct said said = view_said(b);
+        request_changed(b, question, groups_create(&b->pages.groups, group, &said), group);
+    }
+}
+
 /* A verb is answered, or it changes groups or services in the name of an agent. */
 static const struct {
     void (*answer)(struct broker *b, const struct mail *question);
@@ -68,6 +109,14 @@ static const struct {
     [VERB_SUBSCRIBE] = {request_subscribe},
     [VERB_UNSUBSCRIBE] = {request_unsubscribe},
 };
+
+/* Answers that this is not understood. */
+static void request_refuse(struct broker *b, uint32_t own, const struct mail *question)
+{
+    struct mu_text t = answer_begin(b, "performative");
+    mu_fields_add(&t, question->letter.performative);
+    answer_reply(b, own, question, "not-understood", b->text);
+}
 
 static void desk_answer(struct broker *b, const struct mail *question)
 {

@@ -130,12 +130,3 @@ void request_make_change(struct broker *b, const struct mail *question, struct l
         request_changed(b, question, change(table, name, agent, &said), name);
     }
 }
-
-/* --- the white pages -------------------------------------------------------------------------- */
-
-void request_refuse(struct broker *b, uint32_t own, const struct mail *question)
-{
-    struct mu_text t = answer_begin(b, "performative");
-    mu_fields_add(&t, question->letter.performative);
-    answer_reply(b, own, question, "not-understood", b->text);
-}

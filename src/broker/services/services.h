@@ -100,9 +100,6 @@ void metrics_answer(struct broker *b, uint32_t own, const struct mail *question)
  * What cannot be read is answered with not-understood, question or change.
  */
 
-/** Answers that this is not understood. */
-void request_refuse(struct broker *b, uint32_t own, const struct mail *question);
-
 /* --- what the kinds of questions share; an answer's content is put together in b->text -------- */
 
 /* Room for a field that is no name, too, so that it can be told. */
@@ -158,12 +155,6 @@ void request_list_add(struct broker *b, struct request_list *l, const char *name
 
 /** Sends what is left of a list, or that there is nothing. */
 void request_list_end(struct broker *b, const struct request_list *l);
-
-/* --- request_groups.c ------------------------------------------------------------------------ */
-
-void request_groups(struct broker *b, const struct mail *question);
-void request_members(struct broker *b, const struct mail *question);
-void request_group_create(struct broker *b, const struct mail *question);
 
 /* --- request_services.c ---------------------------------------------------------------------- */
 
