@@ -34,12 +34,23 @@ static const char *objection(const struct broker *b, uint32_t host, bool in_step
     return scope_refuses_move(scope_of_word(in_step), b->processes.at[a->process].scope);
 }
 
-static void deposit_refuse(struct broker *b, uint32_t place, const muster_Trip *trip,
-                           const char *reason)
+/* Keeps a snapshot, if nothing is wrong with it; agent: MU_NONE: of a new one.  @return it, or
+ * NULL: refused, and the process is told */
+static struct snapshot *deposit_keep(struct broker *b, uint32_t place, const muster_Trip *trip,
+                                     uint32_t agent, const char *wrong)
 {
-    b->snapshots.refused++;
-    snapshots_refuse_copy(b, place, registry_find(&b->registry, trip->asker), trip->agent,
-                          trip->epoch, reason);
+    struct snapshot *c =
+        wrong ? NULL : snapshots_add(b, agent, trip->agent, trip->epoch, trip->text);
+    if (c) {
+        c->state = trip->state;
+        c->source = place;
+        c->host = registry_find(&b->registry, trip->host);
+    } else {
+        b->snapshots.refused++;
+        snapshots_refuse_copy(b, place, registry_find(&b->registry, trip->asker), trip->agent,
+                              trip->epoch, wrong ? wrong : "depot-full");
+    }
+    return c;
 }
 
 static void deposit_take(struct broker *b, uint32_t place, const muster_Trip *trip, bool in_step)
@@ -52,16 +63,11 @@ static void deposit_take(struct broker *b, uint32_t place, const muster_Trip *tr
     }
     const char *wrong = scope_refuses_move(b->processes.at[place].scope, scope_of_word(in_step));
     wrong = wrong ? wrong : objection(b, host, in_step);
-    struct snapshot *c =
-        wrong ? NULL : snapshots_add(b, agent, trip->agent, trip->epoch, trip->text);
+    struct snapshot *c = deposit_keep(b, place, trip, agent, wrong);
     if (!c) {
-        deposit_refuse(b, place, trip, wrong ? wrong : "depot-full");
         return;
     }
     (void)mu_text_copy(c->home, sizeof c->home, b->processes.at[place].name);
-    c->state = trip->state;
-    c->source = place;
-    c->host = host;
     c->in_step = in_step;
     if (in_step) {
         c->phase = SNAPSHOT_STEP;
@@ -82,17 +88,11 @@ static void new_take(struct broker *b, uint32_t place, const muster_Trip *trip, 
         return;
     }
     const char *wrong = scope_refuses_move(scope_of_word(true), scope_of_word(in_step));
-    struct snapshot *c =
-        wrong ? NULL : snapshots_add(b, MU_NONE, trip->agent, trip->epoch, trip->text);
-    if (!c) {
-        deposit_refuse(b, place, trip, wrong ? wrong : "depot-full");
-        return;
+    struct snapshot *c = deposit_keep(b, place, trip, MU_NONE, wrong);
+    if (c) {
+        c->asker = asker;
+        c->phase = SNAPSHOT_STEP;
     }
-    c->asker = asker;
-    c->state = trip->state;
-    c->source = place;
-    c->host = registry_find(&b->registry, trip->host);
-    c->phase = SNAPSHOT_STEP;
 }
 
 /* @return whether an agent that moves has its name where it set out from */
@@ -102,8 +102,16 @@ static bool is_at_home(const struct broker *b, const struct snapshot *c)
     return a->process != MU_NONE && strcmp(b->processes.at[a->process].name, c->home) == 0;
 }
 
-static void seat_tell(struct broker *b, struct snapshot *c)
+/* The agent is at its host from now on, in this slot. */
+static void seat_take(struct broker *b, struct snapshot *c, uint32_t agent, uint32_t slot,
+                      struct presence *is)
 {
+    const struct agent *host = &b->registry.agents[c->host];
+    bool free = b->registry.agents[agent].process == MU_NONE;
+    is->pid = host->is.pid;
+    (void)mu_text_copy(is->host, sizeof is->host, host->name);
+    (free ? lifecycle_seat : lifecycle_move)(b, agent, c->target, slot, is);
+    b->registry.agents[agent].report = REPORT_AWAITED;
     b->snapshots.taken++;
     b->snapshots.holding--;
     c->seated = true;
@@ -132,14 +140,9 @@ static void seat_moved(struct broker *b, struct snapshot *c, uint32_t slot)
         return;
     }
     struct presence is = a->is;
-    const struct agent *host = &b->registry.agents[c->host];
     is.epoch = c->epoch;
-    is.pid = host->is.pid;
     is.state = free ? c->state : is.state;
-    (void)mu_text_copy(is.host, sizeof is.host, host->name);
-    (free ? lifecycle_seat : lifecycle_move)(b, c->agent, c->target, slot, &is);
-    b->registry.agents[c->agent].report = REPORT_AWAITED;
-    seat_tell(b, c);
+    seat_take(b, c, c->agent, slot, &is);
 }
 
 static bool name_is_taken(const struct broker *b, const char *name)
@@ -159,15 +162,9 @@ static void seat_new(struct broker *b, struct snapshot *c, uint32_t slot)
         seat_refuse(b, c, wrong);
         return;
     }
-    const struct agent *host = &b->registry.agents[c->host];
-    struct presence is = {.kind = muster_KIND_ROBOT,
-                          .state = c->state,
-                          .since_wall_ns = clock_wall_ns(&b->clock),
-                          .pid = host->is.pid};
-    (void)mu_text_copy(is.host, sizeof is.host, host->name);
-    lifecycle_seat(b, agent, c->target, slot, &is);
-    b->registry.agents[agent].report = REPORT_AWAITED;
-    seat_tell(b, c);
+    struct presence is = {
+        .kind = muster_KIND_ROBOT, .state = c->state, .since_wall_ns = clock_wall_ns(&b->clock)};
+    seat_take(b, c, agent, slot, &is);
     snapshots_drop(b, c);
 }
 
