@@ -25,9 +25,9 @@ void snapshots_init(struct snapshots *d)
 static uint32_t snapshot_find(const struct broker *b, uint32_t agent)
 {
     const struct snapshots *d = &b->snapshots;
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX && d->count > 0; i++) {
-        if (d->snapshots[i].phase != SNAPSHOT_FREE && d->snapshots[i].agent == agent) {
-            return i;
+    SNAPSHOTS_EACH (c, d) {
+        if (c->phase != SNAPSHOT_FREE && c->agent == agent) {
+            return (uint32_t)(c - d->snapshots);
         }
     }
     return MU_NONE;
@@ -241,8 +241,7 @@ void snapshots_send(struct broker *b, struct snapshot *c)
 
 struct snapshot *snapshots_answered_by(struct broker *b, uint32_t place, const muster_Trip *trip)
 {
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.count > 0; i++) {
-        struct snapshot *c = &b->snapshots.snapshots[i];
+    SNAPSHOTS_EACH (c, &b->snapshots) {
         if (is_out(c) && c->target == place && c->epoch == trip->epoch &&
             strcmp(c->name, trip->agent) == 0) {
             return c;
@@ -253,8 +252,7 @@ struct snapshot *snapshots_answered_by(struct broker *b, uint32_t place, const m
 
 void snapshots_process_gone(struct broker *b, uint32_t place)
 {
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.count > 0; i++) {
-        struct snapshot *c = &b->snapshots.snapshots[i];
+    SNAPSHOTS_EACH (c, &b->snapshots) {
         if (c->phase != SNAPSHOT_FREE && c->source == place) {
             c->source = MU_NONE;
         }
@@ -323,8 +321,7 @@ bool snapshots_overrule(const struct broker *b, uint32_t agent, uint32_t place,
     if ((a->passed && scope_is_inside(at->scope)) || has_left(b, a, at->seat, is)) {
         return true;
     }
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.holding > 0; i++) {
-        const struct snapshot *c = &b->snapshots.snapshots[i];
+    SNAPSHOTS_EACH (c, &b->snapshots) {
         if (c->phase == SNAPSHOT_HOLDS && strcmp(c->name, a->name) == 0 && c->target == place) {
             return true;
         }
@@ -346,8 +343,7 @@ bool snapshots_have_later(const struct broker *b, uint32_t agent, uint64_t epoch
 uint64_t snapshots_deadline_ns(const struct broker *b)
 {
     uint64_t first_ns = UINT64_MAX;
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.holding > 0; i++) {
-        const struct snapshot *c = &b->snapshots.snapshots[i];
+    SNAPSHOTS_EACH (c, &b->snapshots) {
         bool holds = c->phase == SNAPSHOT_HOLDS;
         first_ns = holds && c->until_ns < first_ns ? c->until_ns : first_ns;
     }

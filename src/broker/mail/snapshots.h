@@ -79,6 +79,11 @@ struct snapshots {
     uint64_t kept, taken, refused, lost, restored; /* counters */
 };
 
+/** Goes through the places for snapshots, the free ones, too, while there is any snapshot. */
+#define SNAPSHOTS_EACH(c, d)                                \
+    for (__typeof__(&(d)->snapshots[0]) c = (d)->snapshots; \
+         (d)->count > 0 && (c) < (d)->snapshots + MU_CAPSULES_MAX; (c)++)
+
 void snapshots_init(struct snapshots *d);
 
 /** A process is no more; what it was to be told waits, for it may have been slow only. */

@@ -228,8 +228,7 @@ static void wanted_take(struct broker *b, uint32_t place, const muster_Trip *tri
         scope_is_inside(b->processes.at[place].scope)) {
         return;
     }
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.count > 0; i++) {
-        struct snapshot *c = &b->snapshots.snapshots[i];
+    SNAPSHOTS_EACH (c, &b->snapshots) {
         if (is_orphan(b, c) && is_for(b, c, host)) {
             c->source = MU_NONE;
             c->host = host;
@@ -258,8 +257,7 @@ void transfer_hear(struct broker *b, uint32_t place, const muster_Trip *trip, bo
 /* @return whether another one of that name has been handed to its host, and has not come to life */
 static bool name_is_awaited(const struct broker *b, const char *name)
 {
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
-        const struct snapshot *c = &b->snapshots.snapshots[i];
+    SNAPSHOTS_EACH (c, &b->snapshots) {
         if (c->phase == SNAPSHOT_HOLDS && c->agent == MU_NONE && strcmp(c->name, name) == 0) {
             return true;
         }
@@ -289,8 +287,8 @@ static void snapshot_set_out(struct broker *b, struct snapshot *c)
 static int asker_compare(const void *x, const void *y, const void *broker)
 {
     const struct broker *b = broker;
-    const struct snapshot *one = &b->snapshots.snapshots[*(const uint32_t *)x];
-    const struct snapshot *other = &b->snapshots.snapshots[*(const uint32_t *)y];
+    const struct snapshot *one = *(struct snapshot *const *)x,
+                          *other = *(struct snapshot *const *)y;
     int askers = strcmp(b->registry.agents[one->asker].name, b->registry.agents[other->asker].name);
     return askers != 0 ? askers : strcmp(one->name, other->name);
 }
@@ -298,24 +296,23 @@ static int asker_compare(const void *x, const void *y, const void *broker)
 /* Which snapshot came first depends on the clock; which agent sets out first does not. */
 bool transfer_step_ended(struct broker *b)
 {
-    struct snapshots *d = &b->snapshots;
-    uint32_t order[MU_CAPSULES_MAX], count = 0;
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX && d->count > 0; i++) {
-        if (d->snapshots[i].phase == SNAPSHOT_STEP) {
-            order[count++] = i;
+    struct snapshot *order[MU_CAPSULES_MAX];
+    uint32_t count = 0;
+    SNAPSHOTS_EACH (c, &b->snapshots) {
+        if (c->phase == SNAPSHOT_STEP) {
+            order[count++] = c;
         }
     }
     mu_sort(order, count, sizeof order[0], asker_compare, b);
     for (uint32_t i = 0; i < count; i++) {
-        snapshot_set_out(b, &d->snapshots[order[i]]);
+        snapshot_set_out(b, order[i]);
     }
-    return d->holding > 0;
+    return b->snapshots.holding > 0;
 }
 
 void transfer_run_over(struct broker *b, const char *reason)
 {
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.count > 0; i++) {
-        struct snapshot *c = &b->snapshots.snapshots[i];
+    SNAPSHOTS_EACH (c, &b->snapshots) {
         if (c->phase == SNAPSHOT_STEP || c->phase == SNAPSHOT_HOLDS) {
             snapshots_refuse(b, c, reason);
         }
@@ -326,8 +323,7 @@ void transfer_run_over(struct broker *b, const char *reason)
 
 void transfer_tick(struct broker *b)
 {
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX && b->snapshots.holding > 0; i++) {
-        struct snapshot *c = &b->snapshots.snapshots[i];
+    SNAPSHOTS_EACH (c, &b->snapshots) {
         if (c->phase == SNAPSHOT_HOLDS && c->until_ns <= b->clock.now_ns) {
             snapshots_refuse_copy(b, c->target, MU_NONE, c->name, c->epoch, "too-late");
             snapshots_refuse(b, c, "host-silent");
