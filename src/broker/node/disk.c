@@ -14,29 +14,20 @@ static const uint64_t QUIET_NS = 1000000000;
 
 /* --- transactions ----------------------------------------------------------------------------- */
 
-/* @return the statement for an entry that is a row of its own */
-static enum disk_statement statement_of(const struct journal_entry *e)
-{
-    switch (e->kind) {
-    case JOURNAL_AGENT: return DISK_PUT_AGENT;
-    case JOURNAL_WAITING: return DISK_PUT_WAITS;
-    case JOURNAL_LINE: return e->line.key ? DISK_PUT_LINE : DISK_DROP_LINE;
-    case JOURNAL_RESET: return DISK_DROP_LINES;
-    case JOURNAL_CLOCK: return DISK_PUT_CLOCK;
-    case JOURNAL_SNAPSHOT: return e->snapshot[0] ? DISK_PUT_CAPSULE : DISK_DROP_CAPSULE;
-    case JOURNAL_MAIL:
-    case JOURNAL_GONE: break;
-    }
-    return DISK_STATEMENTS;
-}
-
 static bool entry_write(struct disk *d, const struct journal_entry *e)
 {
-    if (e->kind == JOURNAL_MAIL) {
-        return disk_bundle_put(d, e);
+    enum disk_statement s = DISK_STATEMENTS;
+    switch (e->kind) {
+    case JOURNAL_MAIL: return disk_bundle_put(d, e);
+    case JOURNAL_GONE: return disk_bundle_drop(d, e);
+    case JOURNAL_AGENT: s = DISK_PUT_AGENT; break;
+    case JOURNAL_WAITING: s = DISK_PUT_WAITS; break;
+    case JOURNAL_LINE: s = e->line.key ? DISK_PUT_LINE : DISK_DROP_LINE; break;
+    case JOURNAL_RESET: s = DISK_DROP_LINES; break;
+    case JOURNAL_CLOCK: s = DISK_PUT_CLOCK; break;
+    case JOURNAL_SNAPSHOT: s = e->snapshot[0] ? DISK_PUT_CAPSULE : DISK_DROP_CAPSULE; break;
     }
-    return e->kind == JOURNAL_GONE ? disk_bundle_drop(d, e)
-                                   : disk_row_put(d->statements[statement_of(e)], e);
+    return disk_row_put(d->statements[s], e);
 }
 
 static bool entries_write(struct disk *d, struct broker *b)

@@ -151,13 +151,6 @@ static bool bundle_write(struct disk *d, const struct bundle *b)
            (!b->marked || step_from(d->statements[DISK_DROP_SETTLED], b->first));
 }
 
-static bool waits_drop(struct disk *d, uint64_t row, uint64_t last_row)
-{
-    sqlite3_stmt *s = d->statements[DISK_DROP_WAITS];
-    sqlite3_bind_int64(s, 2, (int64_t)last_row);
-    return step_from(s, row);
-}
-
 /* From the last one down: a number belongs to the last bundle that begins before it. */
 bool disk_bundle_drop(struct disk *d, const struct journal_entry *e)
 {
@@ -176,5 +169,7 @@ bool disk_bundle_drop(struct disk *d, const struct journal_entry *e)
             return false;
         }
     }
-    return waits_drop(d, e->row, e->last_row);
+    sqlite3_stmt *waits = d->statements[DISK_DROP_WAITS];
+    sqlite3_bind_int64(waits, 2, (int64_t)e->last_row);
+    return step_from(waits, e->row);
 }

@@ -153,12 +153,9 @@ static mu_result file_check(struct disk *d, int64_t *version)
 
 static mu_result pages_check(struct disk *d)
 {
-    sqlite3_stmt *s = NULL;
-    bool whole = sqlite3_prepare_v2(d->db, "PRAGMA quick_check(1)", -1, &s, NULL) == SQLITE_OK &&
-                 sqlite3_step(s) == SQLITE_ROW &&
-                 strcmp((const char *)sqlite3_column_text(s, 0), "ok") == 0;
-    (void)sqlite3_finalize(s);
-    return whole ? MU_OK : complain_damaged(d, "the store is damaged");
+    int64_t whole;
+    bool read = value_read(d, "SELECT quick_check = 'ok' FROM pragma_quick_check(1)", &whole);
+    return read && whole ? MU_OK : complain_damaged(d, "the store is damaged");
 }
 
 /* Exclusive locking keeps a second broker out, and the log's index in our own memory. */
