@@ -55,32 +55,24 @@ static void status_tell(struct telemetry *h, struct broker *b, bool all)
     }
 }
 
-/* @return whether a counter of the part has changed, one that drifts only when all are told */
-static bool part_is_news(const struct telemetry *h, uint32_t part, const muster_PartStatus *status,
+/* The counters of a part follow each other in the table, from first on.
+ * @return whether one of them has changed, one that drifts only when all are told */
+static bool part_is_news(const struct telemetry *h, uint32_t first, const muster_PartStatus *status,
                          bool all)
 {
-    const struct metric *c;
-    uint32_t k = 0;
-    for (size_t i = 0; (c = metrics_at(i)); i++) {
-        if (c->part == part && status->counters._buffer[k++].value != h->values[i] &&
-            (all || !c->drifts)) {
-            return true;
-        }
+    bool news = false;
+    for (uint32_t i = 0; i < status->counters._length && !news; i++) {
+        news = status->counters._buffer[i].value != h->values[first + i] &&
+               (all || !metrics_at(first + i)->drifts);
     }
-    return false;
+    return news;
 }
 
-static void part_tell(struct telemetry *h, uint32_t part, const muster_PartStatus *status)
+static void part_tell(struct telemetry *h, uint32_t first, const muster_PartStatus *status)
 {
-    const struct metric *c;
-    uint32_t k = 0;
-    if (bus_write(&h->parts, status) != MU_OK) {
-        return;
-    }
-    for (size_t i = 0; (c = metrics_at(i)); i++) {
-        if (c->part == part) {
-            h->values[i] = status->counters._buffer[k++].value;
-        }
+    bool written = bus_write(&h->parts, status) == MU_OK;
+    for (uint32_t i = 0; i < status->counters._length && written; i++) {
+        h->values[first + i] = status->counters._buffer[i].value;
     }
 }
 
@@ -88,13 +80,15 @@ static void everything_tell(struct telemetry *h, struct broker *b, bool all)
 {
     muster_PartStatus status;
     struct bus_ways ways;
+    uint32_t first = 0;
     bus_ways(h->bus, &ways);
     broker_ways(b, &ways);
     status_tell(h, b, all);
     for (uint32_t part = 1; broker_part(b, part, &status); part++) {
-        if (!h->begun || part_is_news(h, part, &status, all)) {
-            part_tell(h, part, &status);
+        if (!h->begun || part_is_news(h, first, &status, all)) {
+            part_tell(h, first, &status);
         }
+        first += status.counters._length;
     }
     h->begun = true;
 }
