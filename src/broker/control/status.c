@@ -46,9 +46,9 @@ bool broker_part(struct broker *b, uint32_t part, muster_PartStatus *status)
                 (muster_Counter){.name = sample_text(c->name), .value = metrics_value(b, c)};
         }
     }
-    *status = (muster_PartStatus){.broker = b->name, .part = b->registry.agents[part].name};
-    status->counters._buffer = b->part_counters;
-    status->counters._length = status->counters._maximum = count;
+    *status = (muster_PartStatus){.broker = b->name,
+                                  .part = b->registry.agents[part].name,
+                                  .counters = {count, count, b->part_counters, false}};
     return true;
 }
 
@@ -96,9 +96,7 @@ bool broker_page_news(struct broker *b, muster_Page *out)
             lines++;
         }
     }
-    *out = (muster_Page){.broker = b->name, .part = part};
-    out->lines._buffer = b->page;
-    out->lines._length = out->lines._maximum = lines;
+    *out = (muster_Page){.broker = b->name, .part = part, .lines = {lines, lines, b->page, false}};
     return true;
 }
 

@@ -204,7 +204,9 @@ static void delivery_begin(struct broker *b, const struct process *at, muster_De
                            .receipts = {DISPATCH_RECEIPTS, 0, c->receipts, false},
                            .verdicts = {DISPATCH_VERDICTS, 0, c->verdicts, false},
                            .members = {DISPATCH_MEMBERS, 0, c->members, false},
-                           .outside = {STEPS_OUTSIDE_MAX, 0, c->outside, false}};
+                           .outside = {STEPS_OUTSIDE_MAX, 0, c->outside, false},
+                           .memberships = {MU_MEMBERSHIPS_MAX, 0, b->pages.memberships, false},
+                           .offers = {MU_SERVICES_MAX, 0, b->pages.offers, false}};
     d->process = sample_text(at->name);
 }
 

@@ -140,20 +140,16 @@ static void multicast_write(struct broker *b, muster_Delivery *d)
 {
     struct multicast *c = &b->multicast;
     uint32_t boxes = c->boxes_count;
-    *d = (muster_Delivery){
-        .broker = b->name, .broker_incarnation = b->incarnation, .step = muster_STEP_NOW};
-    d->process = sample_text(BUS_TO_ALL);
+    *d = (muster_Delivery){.broker = b->name,
+                           .broker_incarnation = b->incarnation,
+                           .step = muster_STEP_NOW,
+                           .process = sample_text(BUS_TO_ALL),
+                           .seats = {boxes, boxes, c->seats, false},
+                           .serials = {boxes, boxes, c->serials, false},
+                           .slots = {boxes, boxes, c->slots, false},
+                           .numbers = {boxes, boxes, c->numbers, false},
+                           .letters = {c->letters_count, c->letters_count, c->letters, false}};
     boxes_write(b);
-    d->seats._buffer = c->seats;
-    d->serials._buffer = c->serials;
-    d->slots._buffer = c->slots;
-    d->numbers._buffer = c->numbers;
-    d->letters._buffer = c->letters;
-    d->seats._length = d->seats._maximum = boxes;
-    d->serials._length = d->serials._maximum = boxes;
-    d->slots._length = d->slots._maximum = boxes;
-    d->numbers._length = d->numbers._maximum = boxes;
-    d->letters._length = d->letters._maximum = c->letters_count;
 }
 
 /* @return whether the first mail that waits goes out so, and whatever follows it everywhere */

@@ -130,13 +130,8 @@ static void offers_fill(struct broker *b, const struct process *at, muster_Deliv
 
 void view_fill(struct broker *b, const struct process *at, muster_Delivery *d)
 {
-    struct pages *p = &b->pages;
-    d->memberships._buffer = p->memberships;
-    d->offers._buffer = p->offers;
-    d->memberships._maximum = MU_MEMBERSHIPS_MAX;
-    d->offers._maximum = MU_SERVICES_MAX;
     if (view_place_is_told(at)) {
-        memberships_fill(&p->groups, at, d);
+        memberships_fill(&b->pages.groups, at, d);
         offers_fill(b, at, d);
     }
 }

@@ -119,9 +119,8 @@ bool broker_announcement(struct broker *b, muster_Registration *out)
                                  .incarnation = b->incarnation,
                                  .host = sample_text(b->registry.agents[REGISTRY_BROKER].is.host),
                                  .pid = b->registry.agents[REGISTRY_BROKER].is.pid,
-                                 .is_broker = true};
-    out->agents._buffer = l->entries;
-    out->agents._length = out->agents._maximum = count;
+                                 .is_broker = true,
+                                 .agents = {count, count, l->entries, false}};
     return true;
 }
 

@@ -232,16 +232,17 @@ bool broker_up_next(struct broker *b, const char **peer, muster_Up *out)
     }
     struct peer *p = &l->peers[i];
     l->peer_open = i;
-    l->acks_open_count = ready < FEDERATION_ACKS ? ready : FEDERATION_ACKS;
-    for (uint32_t k = 0; k < l->acks_open_count; k++) {
+    uint32_t count = ready < FEDERATION_ACKS ? ready : FEDERATION_ACKS;
+    l->acks_open_count = count;
+    for (uint32_t k = 0; k < count; k++) {
         uint32_t agent = p->acks[p->acks_count - 1 - k];
         l->acks_open[k] =
             (muster_Ack){.box = b->registry.agents[agent].name, .number = p->taken[agent]};
     }
-    *out = (muster_Up){
-        .process = b->place, .broker_incarnation = p->incarnation, .step = muster_STEP_NOW};
-    out->acks._buffer = l->acks_open;
-    out->acks._length = out->acks._maximum = l->acks_open_count;
+    *out = (muster_Up){.process = b->place,
+                       .broker_incarnation = p->incarnation,
+                       .step = muster_STEP_NOW,
+                       .acks = {count, count, l->acks_open, false}};
     *peer = p->name;
     return true;
 }
