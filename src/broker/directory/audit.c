@@ -31,6 +31,9 @@ struct audit_record *audit_add(struct audit *a)
 
 void audit_receiver(struct audit_record *r, const char *name)
 {
+    if (!r) {
+        return;
+    }
     struct mu_text text = {
         .at = r->receiver, .len = strlen(r->receiver), .size = sizeof r->receiver};
     mu_text_add(&text, r->receivers++ ? "," : "");

@@ -27,10 +27,11 @@ static struct audit_record *record_begin(struct broker *b, const struct mail *m,
 }
 
 /* The sender, and what of the pages is asked in its matter. */
-static struct trust_agent who_asks(struct broker *b, const struct mail *m)
+static struct trust_agent who_asks(struct broker *b, uint32_t sender)
 {
-    b->pages.asked_inside = view_inside(b, m->sender);
-    return (struct trust_agent){m->letter.src, b->registry.agents[m->sender].is.kind};
+    b->pages.asked_inside = view_inside(b, sender);
+    return (struct trust_agent){b->registry.agents[sender].name,
+                                b->registry.agents[sender].is.kind};
 }
 
 /* It has no receiver that is there; a sender that may direct none is not told so. */
@@ -52,7 +53,7 @@ static bool is_housemate(const struct broker *b, uint32_t agent, uint32_t other)
 
 bool guard_speaks(struct broker *b, const struct mail *m, uint32_t agent, const char *receiver)
 {
-    struct trust_agent who = who_asks(b, m);
+    struct trust_agent who = who_asks(b, m->sender);
     bool allowed = false;
     if (agent == MU_NONE) {
         allowed = trust_allows_some(&b->trust, &who);
@@ -62,10 +63,7 @@ bool guard_speaks(struct broker *b, const struct mail *m, uint32_t agent, const 
         struct trust_agent whom = {receiver, b->registry.agents[agent].is.kind};
         allowed = trust_allows(&b->trust, &who, &whom);
     }
-    struct audit_record *r = record_begin(b, m, allowed);
-    if (r) {
-        audit_receiver(r, receiver);
-    }
+    audit_receiver(record_begin(b, m, allowed), receiver);
     b->counters.directed += allowed;
     b->counters.unspoken += !allowed;
     return allowed;
@@ -74,22 +72,18 @@ bool guard_speaks(struct broker *b, const struct mail *m, uint32_t agent, const 
 /* The directive that follows a refusal is what is refused, counted and audited. */
 bool guard_glances(struct broker *b, uint32_t asker, uint32_t agent, const char *line)
 {
-    const struct agent *a = &b->registry.agents[asker], *at = &b->registry.agents[agent];
-    struct trust_agent who = {a->name, a->is.kind}, whom = {at->name, at->is.kind};
-    b->pages.asked_inside = view_inside(b, asker);
+    const struct agent *at = &b->registry.agents[agent];
+    struct trust_agent who = who_asks(b, asker), whom = {at->name, at->is.kind};
     if (!trust_allows(&b->trust, &who, &whom)) {
         return false;
     }
-    struct audit_record *r = record_of(b, asker, "glance", line, true);
-    if (r) {
-        audit_receiver(r, at->name);
-    }
+    audit_receiver(record_of(b, asker, "glance", line, true), at->name);
     return true;
 }
 
 uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, uint32_t *count)
 {
-    struct trust_agent who = who_asks(b, m);
+    struct trust_agent who = who_asks(b, m->sender);
     struct audit_record *records[2] = {NULL, NULL};
     uint32_t numbers[2] = {0, 0};
     if (*count == 0) {
@@ -102,9 +96,7 @@ uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, ui
         if (numbers[allowed]++ == 0) {
             records[allowed] = record_begin(b, m, allowed);
         }
-        if (records[allowed]) {
-            audit_receiver(records[allowed], a->name);
-        }
+        audit_receiver(records[allowed], a->name);
         if (allowed) {
             agents[numbers[true] - 1] = agents[i];
         }

@@ -6,17 +6,13 @@
 
 #include <string.h>
 
-static void line_add(struct trust *t, const struct trust_line *line)
-{
-    t->lines[t->lines_count++] = *line;
-}
-
 void trust_init(struct trust *t)
 {
-    *t = (struct trust){0};
-    t->lines = mu_startup_array(MU_TRUST_LINES_MAX, sizeof *t->lines);
-    line_add(t, &(struct trust_line){true, {TRUST_NAME, "observer"}, {TRUST_ALL, ""}});
-    line_add(t, &(struct trust_line){true, {TRUST_NAME, "operator"}, {TRUST_ALL, ""}});
+    *t = (struct trust){.lines = mu_startup_array(MU_TRUST_LINES_MAX, sizeof *t->lines)};
+    t->lines[t->lines_count++] =
+        (struct trust_line){true, {TRUST_NAME, "observer"}, {TRUST_ALL, ""}};
+    t->lines[t->lines_count++] =
+        (struct trust_line){true, {TRUST_NAME, "operator"}, {TRUST_ALL, ""}};
 }
 
 /* --- the file --------------------------------------------------------------------------------- */
@@ -145,7 +141,7 @@ mu_result trust_read(struct trust *t, const char *text, const char *file, struct
                                MU_TRUST_LINES_MAX);
         }
         if (read == MU_OK) {
-            line_add(t, &line);
+            t->lines[t->lines_count++] = line;
         }
         r.begin = *r.end ? r.end + 1 : r.end;
     }

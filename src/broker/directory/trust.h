@@ -132,7 +132,7 @@ void audit_init(struct audit *a, bool record);
 /** Makes room for one record.  @return the record, zeroed; NULL: it is not wanted, or it is lost */
 struct audit_record *audit_add(struct audit *a);
 
-/** Adds a receiver's name to a record. */
+/** Adds a receiver's name to a record; NULL: none is kept. */
 void audit_receiver(struct audit_record *r, const char *name);
 
 /** Takes the oldest record.  @return false when there is none */
