@@ -177,7 +177,7 @@ static void lockstep_hold(struct broker *b, bool held)
     bool ends = b->steps.held && !held;
     steps_set_held(b, held);
     for (uint32_t agent = 0; ends && agent < b->registry.count; agent++) {
-        if (!scope_is_inside(registry_scope(&b->registry, agent))) {
+        if (!scope_is_inside(b->registry.agents[agent].scope)) {
             processes_wake_agent(&b->registry, &b->processes, agent);
         }
     }

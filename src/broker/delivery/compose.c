@@ -44,7 +44,7 @@ static bool parcels_fill(struct broker *b, struct dispatch_part *part, struct di
                          muster_Delivery *d)
 {
     uint32_t agent = part->agent;
-    if (!b->mailbox.boxes[agent].begun || scope_waits(registry_scope(&b->registry, agent))) {
+    if (!b->mailbox.boxes[agent].begun || scope_waits(b->registry.agents[agent].scope)) {
         return true;
     }
     struct box *box = mailbox_box(&b->mailbox, agent);
@@ -210,13 +210,6 @@ static void delivery_begin(struct broker *b, const struct process *at, muster_De
     d->process = sample_text(at->name);
 }
 
-static int part_compare(const void *x, const void *y, const void *registry)
-{
-    const struct dispatch_part *one = x, *other = y;
-    const struct registry *r = registry;
-    return strcmp(r->agents[one->agent].name, r->agents[other->agent].name);
-}
-
 /* Takes agents out of the place's queue, and puts them in order of name. */
 static void parts_take(struct broker *b, uint32_t place)
 {
@@ -226,7 +219,7 @@ static void parts_take(struct broker *b, uint32_t place)
         uint32_t agent = processes_pop_agent(&b->registry, &b->processes, place);
         c->parts[c->parts_count++] = (struct dispatch_part){.agent = agent};
     }
-    mu_sort(c->parts, c->parts_count, sizeof c->parts[0], part_compare, &b->registry);
+    mu_sort(c->parts, c->parts_count, sizeof c->parts[0], registry_compare, &b->registry);
 }
 
 static void parts_fill(struct broker *b, muster_Delivery *d)
@@ -245,7 +238,7 @@ static void parts_fill(struct broker *b, muster_Delivery *d)
         }
         part->passed_by = !parcels_fill(b, part, &room, d);
         bool some = receipts_count(&b->receipts, part->agent) > 0;
-        if (some && !scope_waits(registry_scope(&b->registry, part->agent))) {
+        if (some && !scope_waits(b->registry.agents[part->agent].scope)) {
             part->receipts = receipts_fill(b, part->agent, d);
             part->passed_by |= part->receipts < receipts_count(&b->receipts, part->agent);
         }

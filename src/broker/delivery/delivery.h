@@ -179,7 +179,7 @@ struct dispatch_counts {
 
 /* What of one agent is in the open Delivery. */
 struct dispatch_part {
-    uint32_t agent;
+    uint32_t agent; /* first: see registry_compare */
     uint32_t parcels;
     uint32_t receipts;
     bool verdict;

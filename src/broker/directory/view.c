@@ -24,7 +24,7 @@ void view_init(struct pages *p)
 
 bool view_inside(const struct broker *b, uint32_t agent)
 {
-    return scope_is_inside(registry_scope(&b->registry, agent));
+    return scope_is_inside(b->registry.agents[agent].scope);
 }
 
 bool view_shows(const struct broker *b, uint32_t line, bool inside)

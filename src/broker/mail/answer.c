@@ -26,7 +26,7 @@ struct mu_text answer_begin(struct broker *b, const char *word)
 
 static void answer_post(struct broker *b, uint32_t own, uint32_t receiver, muster_Mail *m)
 {
-    bool inside = scope_is_inside(registry_scope(&b->registry, receiver));
+    bool inside = scope_is_inside(b->registry.agents[receiver].scope);
     m->src = b->registry.agents[own].name;
     m->dst = b->registry.agents[receiver].name;
     m->layer = 2;

@@ -86,7 +86,7 @@ static bool account_take(struct broker *b, struct mail *m, enum quota_side side,
 
 bool ledger_charge(struct broker *b, struct mail *m, uint32_t posts)
 {
-    m->side = (uint8_t)scope_account(registry_scope(&b->registry, m->payer));
+    m->side = (uint8_t)scope_account(b->registry.agents[m->payer].scope);
     return account_take(b, m, (enum quota_side)m->side, posts, &m->booked);
 }
 

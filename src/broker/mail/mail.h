@@ -81,7 +81,7 @@ void recipients_of_answer(struct broker *b, const char *names, uint32_t sender,
  */
 static inline bool recipients_veils(const struct registry *r, const struct mail *m, uint32_t agent)
 {
-    return scope_crosses(registry_scope(r, m->sender), registry_scope(r, agent));
+    return scope_crosses(r->agents[m->sender].scope, r->agents[agent].scope);
 }
 
 /** Takes those outside out of it: they are not reached. */

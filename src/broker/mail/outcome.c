@@ -7,7 +7,7 @@
 static bool news_can_wait(struct broker *b, uint32_t sender, muster_Outcome result)
 {
     bool bad = result == muster_OUTCOME_BOX_FULL || result == muster_OUTCOME_DROPPED;
-    return bad && !scope_is_paced(registry_scope(&b->registry, sender)) &&
+    return bad && !scope_is_paced(b->registry.agents[sender].scope) &&
            limiter_holds(&b->limiter, sender, b->clock.now_ns);
 }
 
@@ -152,7 +152,7 @@ void outcome_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
         outcome_settle(b, m);
     }
     uint32_t flying = box->lists[POST_FLIGHT].posts.count;
-    if (flying > 0 && !scope_is_paced(registry_scope(&b->registry, agent))) {
+    if (flying > 0 && !scope_is_paced(b->registry.agents[agent].scope)) {
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
     }
     if (box->use.mails > flying || box->out != MU_NONE) { /* more may go now */

@@ -20,12 +20,6 @@ void recipients_unveil(const struct broker *b, const struct mail *m, struct reci
 
 /* --- by name ---------------------------------------------------------------------------------- */
 
-static bool is_hidden(const struct broker *b, uint32_t agent, uint32_t sender)
-{
-    return !scope_addresses(registry_scope(&b->registry, sender),
-                            registry_scope(&b->registry, agent));
-}
-
 void recipients_of_names(struct broker *b, const char *names, uint32_t sender,
                          struct recipients *to)
 {
@@ -33,7 +27,8 @@ void recipients_of_names(struct broker *b, const char *names, uint32_t sender,
     uint64_t mark = ++b->registry.mark;
     while (*names && mu_address_next(&names, name)) {
         uint32_t agent = registry_addressee(&b->registry, name);
-        if (agent == MU_NONE || is_hidden(b, agent, sender)) {
+        if (agent == MU_NONE ||
+            !scope_addresses(b->registry.agents[sender].scope, b->registry.agents[agent].scope)) {
             to->unknown++;
         } else if (b->registry.agents[agent].mark != mark) {
             b->registry.agents[agent].mark = mark;
@@ -54,7 +49,7 @@ void recipients_of_answer(struct broker *b, const char *names, uint32_t sender,
         uint32_t agent = read.cut ? MU_NONE : registry_addressee(&b->registry, name);
         if (agent != MU_NONE && agent != sender && !registry_is_own(agent) &&
             b->registry.agents[agent].mark != mark &&
-            (open || !scope_is_inside(registry_scope(&b->registry, agent)))) {
+            (open || !scope_is_inside(b->registry.agents[agent].scope))) {
             b->registry.agents[agent].mark = mark;
             to->agents[to->count++] = agent;
         }
@@ -106,7 +101,7 @@ static bool kind_is_addressed(enum mu_address_kind kind, muster_Kind of)
 static bool is_too_far(const struct broker *b, uint32_t agent, uint32_t sender)
 {
     return names_is_beyond(&b->registry, &b->processes, agent) &&
-           scope_is_inside(registry_scope(&b->registry, sender));
+           scope_is_inside(b->registry.agents[sender].scope);
 }
 
 void recipients_of_letter(struct broker *b, const muster_Mail *letter, uint32_t sender,

@@ -38,7 +38,7 @@ enum resolve_need resolve_needs(const struct broker *b, const struct mail *m)
     if (!follows && !(is_address && view_resolver(b, m->letter.dst) != MU_NONE)) {
         return RESOLVE_NOTHING;
     }
-    enum quota_side side = scope_account(registry_scope(&b->registry, m->sender));
+    enum quota_side side = scope_account(b->registry.agents[m->sender].scope);
     bool full = queue->count == MU_RESOLVE_SENDER_MAX || r->side_count[side] == MU_RESOLVE_MAX;
     return full ? RESOLVE_FULL : RESOLVE_WAIT;
 }
@@ -50,7 +50,7 @@ static void resolver_ask(struct broker *b, uint32_t index)
     char ticket[MU_FIELD_MAX + 1];
     struct resolve *r = &b->resolve;
     struct resolve_wait *w = &r->waits[index];
-    bool inside = scope_is_inside(registry_scope(&b->registry, w->resolver));
+    bool inside = scope_is_inside(b->registry.agents[w->resolver].scope);
     w->state = RESOLVE_ASKED;
     w->ticket = (inside ? 0 : OUTSIDE_TICKETS) + ++r->tickets[inside];
     w->until_ns = w->since_ns + clock_patience_ns(&b->clock, RESOLVE_PATIENCE_MS * 1000000ull,

@@ -48,7 +48,7 @@ static void claims_end(struct broker *b, uint32_t place, uint32_t part,
 /* A run that goes by steps does not let go of an agent before it ends. */
 static void presence_leave(struct broker *b, uint32_t agent)
 {
-    if (scope_is_paced(registry_scope(&b->registry, agent))) {
+    if (scope_is_paced(b->registry.agents[agent].scope)) {
         b->registry.agents[agent].report = REPORT_GONE;
     } else {
         lifecycle_depart(b, agent);

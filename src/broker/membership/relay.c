@@ -140,7 +140,7 @@ static void receipt_take(struct broker *b, const struct peer *p, const muster_Re
     const struct agent *a = &b->registry.agents[agent];
     b->federation.count.receipts_in++;
     bool goes_back = a->process != MU_NONE && strcmp(a->place, p->place) == 0;
-    if (!goes_back && scope_is_told(registry_scope(&b->registry, agent))) {
+    if (!goes_back && scope_is_told(b->registry.agents[agent].scope)) {
         outcome_tell(b, agent, r->first_seq, r->last_seq, r->result);
     }
 }

@@ -170,12 +170,6 @@ struct registry {
 /** @param names  how many there may be at a time, the broker's own not counted */
 void registry_init(struct registry *r, uint32_t names);
 
-/** @return the agent's scope, for the rules of steps/scope.h */
-static inline uint8_t registry_scope(const struct registry *r, uint32_t agent)
-{
-    return r->agents[agent].scope;
-}
-
 /** @return the index of a name, or MU_NONE */
 static inline uint32_t registry_find(const struct registry *r, const char *name)
 {
@@ -242,6 +236,9 @@ uint32_t registry_next_page(struct registry *r);
 
 /** A page is to be given again. */
 void registry_mark_page(struct registry *r, uint32_t page);
+
+/** Orders elements that begin with an agent's index by its name, for mu_sort. */
+int registry_compare(const void *x, const void *y, const void *registry);
 
 /** Fills a line with pointers into the registry. */
 void registry_line(const struct registry *r, uint32_t agent, const char *broker,

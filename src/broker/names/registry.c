@@ -246,6 +246,13 @@ bool registry_set_state(struct registry *r, uint32_t agent, muster_State state, 
     return true;
 }
 
+int registry_compare(const void *x, const void *y, const void *registry)
+{
+    const uint32_t *one = x, *other = y;
+    const struct registry *r = registry;
+    return strcmp(r->agents[*one].name, r->agents[*other].name);
+}
+
 void registry_line(const struct registry *r, uint32_t agent, const char *broker, muster_Member *out)
 {
     struct agent *a = &r->agents[agent];

@@ -8,8 +8,7 @@
 
 static bool is_shown(const struct broker *b, const struct mail *question, uint32_t agent)
 {
-    return scope_sees(registry_scope(&b->registry, question->sender),
-                      registry_scope(&b->registry, agent));
+    return scope_sees(b->registry.agents[question->sender].scope, b->registry.agents[agent].scope);
 }
 
 static void request_lookup(struct broker *b, const struct mail *question)
@@ -30,7 +29,7 @@ static void request_lookup(struct broker *b, const struct mail *question)
     mu_fields_add(&t, validate_kind_word(m.kind));
     mu_fields_add(&t, validate_state_word(m.state));
     mu_fields_add(&t, m.broker);
-    bool inside = scope_is_inside(registry_scope(&b->registry, question->sender));
+    bool inside = scope_is_inside(b->registry.agents[question->sender].scope);
     mu_fields_add(&t, m.host);
     mu_text_format(&t, " %lu", inside ? 0ul : (unsigned long)m.pid);
     answer_send(b, question, "inform");

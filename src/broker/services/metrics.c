@@ -201,7 +201,7 @@ void metrics_print(void)
 
 void metrics_answer(struct broker *b, uint32_t own, const struct mail *question)
 {
-    const char *refusal = scope_refuses_counters(registry_scope(&b->registry, question->sender));
+    const char *refusal = scope_refuses_counters(b->registry.agents[question->sender].scope);
     if (refusal) {
         (void)answer_begin(b, refusal);
         answer_reply(b, own, question, "failure", b->text);

@@ -21,7 +21,7 @@ static bool was_had(const struct broker *b, uint32_t sender, const muster_Mail *
         /* Its answer is still to come, and a sender that hears of a duplicate asks no more: what
          * is on disk already is said to be there, lest this life ends before the answer. */
         if (m && mail_is_written(m) && m->told != TOLD_LAST &&
-            scope_is_told(registry_scope(&b->registry, sender))) {
+            scope_is_told(b->registry.agents[sender].scope)) {
             *outcome = muster_OUTCOME_STORED;
         }
         return true;
@@ -132,8 +132,8 @@ static bool meets_run(struct broker *b, const struct mail *m)
         if (registry_is_own(agent)) { /* what changes the broker takes effect between steps, too */
             meets = m->letter.layer == 0 || recipients_has_member_change(b, m);
         } else {
-            meets = scope_is_inside(registry_scope(&b->registry, agent)) ||
-                    steps_keeps_before(b, m, agent);
+            meets =
+                scope_is_inside(b->registry.agents[agent].scope) || steps_keeps_before(b, m, agent);
         }
     }
     return meets;

@@ -168,17 +168,10 @@ void steps_keep_state(struct steps *l, uint32_t agent, muster_State state)
     turn->state = state;
 }
 
-static int agent_compare(const void *x, const void *y, const void *registry)
-{
-    const uint32_t *one = x, *other = y;
-    const struct registry *r = registry;
-    return strcmp(r->agents[*one].name, r->agents[*other].name);
-}
-
 void steps_order_turns(struct broker *b)
 {
     struct steps *l = &b->steps;
-    mu_sort(l->active, l->active_count, sizeof *l->active, agent_compare, &b->registry);
+    mu_sort(l->active, l->active_count, sizeof *l->active, registry_compare, &b->registry);
 }
 
 void steps_close_turns(struct steps *l)

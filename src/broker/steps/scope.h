@@ -26,17 +26,12 @@ enum scope {
 };
 
 /* What holds of one agent or process. */
-enum scope_rule { RULE_INSIDE, RULE_PACED, RULE_WAITS, RULE_TOLD, RULE_SHOWN_LINES, RULES };
+enum scope_rule { RULE_INSIDE, RULE_PACED, RULE_WAITS, RULE_SHOWN_LINES, RULES };
 
 static const bool scope_rules[RULES][SCOPES] = {
     [RULE_INSIDE] = {[SCOPE_RUN] = true},
     [RULE_PACED] = {[SCOPE_BESIDE] = true, [SCOPE_RUN] = true},
     [RULE_WAITS] = {[SCOPE_AWAITED] = true},
-    [RULE_TOLD] = {[SCOPE_OPEN] = true,
-                   [SCOPE_AWAITED] = true,
-                   [SCOPE_BESIDE] = true,
-                   [SCOPE_BROKER] = true,
-                   [SCOPE_PART] = true},
     [RULE_SHOWN_LINES] = {[SCOPE_OPEN] = true, [SCOPE_RUN] = true},
 };
 
@@ -98,7 +93,7 @@ static inline bool scope_waits(enum scope scope)
 /** @return whether it is told what other brokers and the disk say of its mail */
 static inline bool scope_is_told(enum scope scope)
 {
-    return scope_rules[RULE_TOLD][scope];
+    return !scope_is_inside(scope);
 }
 
 /** @return whether a process is told of groups and services */
