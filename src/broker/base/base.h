@@ -8,17 +8,6 @@
 #define MUSTER_BROKER_BASE_H
 
 #include "broker/base/mailbox.h"
-#include "broker/base/pool.h"
-#include "core/list.h"
-#include "core/table.h"
-#include "muster/limits.h"
-#include "muster/result.h"
-#include "wire.h"
-
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
 
 /* --- clock.c --------------------------------------------------------------------------------- */
 

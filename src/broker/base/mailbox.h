@@ -7,13 +7,6 @@
 #define MUSTER_BROKER_MAILBOX_H
 
 #include "broker/base/pool.h"
-#include "core/list.h"
-#include "core/table.h"
-#include "muster/limits.h"
-#include "wire.h"
-
-#include <stdbool.h>
-#include <stdint.h>
 
 /* --- mailbox.c ------------------------------------------------------------------------------- */
 

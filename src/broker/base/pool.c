@@ -2,7 +2,6 @@
 #include "broker/base/base.h"
 
 #include "muster/memory.h"
-#include "muster/result.h"
 
 #include <string.h>
 

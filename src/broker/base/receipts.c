@@ -2,7 +2,6 @@
 #include "broker/base/base.h"
 
 #include "muster/memory.h"
-#include "muster/result.h"
 
 void receipts_init(struct receipts *r, uint32_t agents)
 {

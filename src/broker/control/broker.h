@@ -14,15 +14,7 @@
 
 #include "broker/directory/directory.h"
 #include "bus/bus.h"
-#include "core/fault.h"
-#include "muster/limits.h"
-#include "muster/result.h"
-#include "wire.h"
 
-#include <stdbool.h>
-#include <stdint.h>
-
-struct broker;
 struct journal_entry;
 
 struct broker_options {

@@ -17,14 +17,8 @@
 #ifndef MUSTER_BROKER_PARTS_H
 #define MUSTER_BROKER_PARTS_H
 
-#include "broker/base/base.h"
 #include "broker/control/broker.h"
-#include "broker/delivery/delivery.h"
-#include "broker/directory/directory.h"
-#include "broker/mail/mail.h"
-#include "broker/names/names.h"
 #include "broker/services/services.h"
-#include "broker/steps/steps.h"
 
 /* A line of the white pages as text, in bytes. */
 enum { BROKER_LINE_MAX = 384 };

@@ -8,13 +8,6 @@
 
 #include "broker/mail/mail.h"
 #include "bus/bus.h"
-#include "muster/limits.h"
-#include "wire.h"
-
-#include <stdbool.h>
-#include <stdint.h>
-
-struct broker;
 
 /* --- multicast.c ----------------------------------------------------------------------------- */
 

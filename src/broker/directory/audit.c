@@ -4,7 +4,6 @@
 #include "core/json.h"
 #include "core/text.h"
 #include "muster/memory.h"
-#include "muster/result.h"
 
 #include <string.h>
 

@@ -11,13 +11,6 @@
 #include "broker/steps/steps.h"
 #include "core/attributes.h"
 #include "core/pairs.h"
-#include "muster/limits.h"
-#include "wire.h"
-
-#include <stdbool.h>
-#include <stdint.h>
-
-struct broker;
 
 /* --- lines.c --------------------------------------------------------------------------------- */
 
@@ -246,8 +239,6 @@ void subscriptions_forget(struct subscriptions *s, uint32_t line);
  * step only services of members are shown, and groups as lines.c says: what others do by the wall
  * clock changes nothing inside.
  */
-
-struct process;
 
 /* Lines in one Delivery outside; the others come in the next one. */
 enum { PAGES_MEMBERSHIPS = 4096, PAGES_OFFERS = 1024 };

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/directory/directory.h"
 
-#include "core/attributes.h"
 #include "core/name.h"
 
 const char *services_advertise(struct lines *s, const char *service, const char *agent,

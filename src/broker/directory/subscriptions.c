@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/directory/directory.h"
 
-#include "core/table.h"
 #include "core/text.h"
 #include "muster/memory.h"
 

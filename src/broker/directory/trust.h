@@ -6,17 +6,10 @@
 #ifndef MUSTER_BROKER_TRUST_H
 #define MUSTER_BROKER_TRUST_H
 
+#include "broker/base/base.h"
 #include "core/fault.h"
-#include "muster/limits.h"
-#include "muster/result.h"
-#include "wire.h"
-
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 
 struct broker;
-struct mail;
 
 /* --- trust.c --------------------------------------------------------------------------------- */
 

@@ -2,7 +2,6 @@
 #include "broker/directory/directory.h"
 
 #include "broker/control/parts.h"
-#include "core/attributes.h"
 #include "muster/memory.h"
 
 #include <stdio.h>

@@ -7,12 +7,6 @@
 #define MUSTER_BROKER_JOURNAL_H
 
 #include "broker/directory/directory.h"
-#include "wire.h"
-
-#include <stdbool.h>
-#include <stdint.h>
-
-struct broker;
 
 /* --- journal.c ------------------------------------------------------------------------------- */
 

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What is marked, row by row, for the owner of the disk. */
 #include "broker/control/parts.h"
-#include "broker/mail/mail.h"
-#include "core/text.h"
 
 uint64_t journal_run_wall_ns(const struct broker *b)
 {

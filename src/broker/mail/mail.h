@@ -6,15 +6,11 @@
 #ifndef MUSTER_BROKER_MAIL_H
 #define MUSTER_BROKER_MAIL_H
 
-#include "broker/directory/directory.h"
 #include "broker/mail/journal.h"
 #include "broker/mail/probes.h"
 #include "broker/mail/snapshots.h"
 #include "core/address.h"
 #include "core/text.h"
-#include "wire.h"
-
-struct broker;
 
 /* --- recipients.c ---------------------------------------------------------------------------- */
 

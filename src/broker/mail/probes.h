@@ -6,13 +6,7 @@
 #ifndef MUSTER_BROKER_PROBES_H
 #define MUSTER_BROKER_PROBES_H
 
-#include "muster/limits.h"
-#include "wire.h"
-
-#include <stdbool.h>
-#include <stdint.h>
-
-struct broker;
+#include "broker/directory/directory.h"
 
 /* --- probes.c -------------------------------------------------------------------------------- */
 

@@ -2,7 +2,6 @@
 #include "broker/mail/mail.h"
 
 #include "broker/control/parts.h"
-#include "core/address.h"
 #include "core/fields.h"
 #include "muster/memory.h"
 

@@ -3,7 +3,6 @@
 
 #include "broker/control/parts.h"
 #include "core/name.h"
-#include "core/text.h"
 
 #include <string.h>
 

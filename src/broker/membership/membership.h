@@ -7,12 +7,6 @@
 #define MUSTER_BROKER_MEMBERSHIP_H
 
 #include "broker/services/services.h"
-#include "wire.h"
-
-#include <stdbool.h>
-#include <stdint.h>
-
-struct broker;
 
 /* --- lifecycle.c ----------------------------------------------------------------------------- */
 

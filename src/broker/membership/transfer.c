@@ -3,7 +3,6 @@
 
 #include "broker/control/parts.h"
 #include "core/sort.h"
-#include "core/text.h"
 
 #include <string.h>
 

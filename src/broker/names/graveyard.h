@@ -6,11 +6,7 @@
 #ifndef MUSTER_BROKER_GRAVEYARD_H
 #define MUSTER_BROKER_GRAVEYARD_H
 
-#include "core/table.h"
-#include "muster/limits.h"
-#include "wire.h"
-
-#include <stdint.h>
+#include "broker/base/base.h"
 
 struct agent;
 

@@ -6,18 +6,9 @@
 #ifndef MUSTER_BROKER_NAMES_H
 #define MUSTER_BROKER_NAMES_H
 
-#include "broker/base/base.h"
 #include "broker/names/graveyard.h"
 #include "broker/names/processes.h"
 #include "broker/names/remote.h"
-#include "core/table.h"
-#include "muster/limits.h"
-#include "wire.h"
-
-#include <stdbool.h>
-#include <stdint.h>
-
-struct broker;
 
 /* --- registry.c ------------------------------------------------------------------------------ */
 

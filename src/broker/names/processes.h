@@ -6,13 +6,7 @@
 #ifndef MUSTER_BROKER_PROCESSES_H
 #define MUSTER_BROKER_PROCESSES_H
 
-#include "core/list.h"
-#include "core/table.h"
-#include "muster/limits.h"
-#include "wire.h"
-
-#include <stdbool.h>
-#include <stdint.h>
+#include "broker/base/base.h"
 
 struct agent;
 struct registry;

@@ -6,12 +6,7 @@
 #ifndef MUSTER_BROKER_REMOTE_H
 #define MUSTER_BROKER_REMOTE_H
 
-#include "core/list.h"
-#include "muster/limits.h"
-#include "wire.h"
-
-#include <stdbool.h>
-#include <stdint.h>
+#include "broker/base/base.h"
 
 struct agent;
 struct broker;

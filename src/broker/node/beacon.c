@@ -3,7 +3,6 @@
 
 #include "core/clock.h"
 #include "core/log.h"
-#include "core/text.h"
 
 #include <stdio.h>
 

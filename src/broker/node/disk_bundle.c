@@ -2,7 +2,6 @@
 #include "broker/node/node.h"
 
 #include "broker/node/disk_parts.h"
-#include "core/text.h"
 #include "muster/memory.h"
 
 #include <string.h>

@@ -4,7 +4,6 @@
 #include "broker/node/disk_parts.h"
 #include "core/log.h"
 #include "core/paths.h"
-#include "core/text.h"
 #include "muster/memory.h"
 
 #include <errno.h>

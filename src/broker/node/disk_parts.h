@@ -7,7 +7,6 @@
 #define MUSTER_BROKER_DISK_PARTS_H
 
 #include "broker/node/node.h"
-#include "core/text.h"
 
 #include <limits.h>
 #include <sqlite3.h>

@@ -2,7 +2,6 @@
 #include "broker/node/node.h"
 
 #include "core/log.h"
-#include "core/text.h"
 
 #include <stdio.h>
 #include <string.h>

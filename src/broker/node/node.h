@@ -7,20 +7,9 @@
 #define MUSTER_BROKER_NODE_H
 
 #include "broker/control/broker.h"
-#include "broker/mail/mail.h"
 #include "broker/services/services.h"
 #include "bus/beacons.h"
-#include "bus/bus.h"
 #include "core/network.h"
-#include "core/table.h"
-#include "muster/limits.h"
-#include "muster/result.h"
-#include "wire.h"
-
-#include <stdbool.h>
-#include <stdint.h>
-
-struct broker;
 
 /* --- outlets.c ------------------------------------------------------------------------------- */
 

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/node/node.h"
 
-#include "core/text.h"
-
 #include <string.h>
 
 mu_result outlets_open(struct outlets *m, struct bus *bus, const struct bus_reader *ups, bool once)

@@ -3,9 +3,6 @@
 
 #include "core/exits.h"
 #include "core/name.h"
-#include "core/options.h"
-#include "core/text.h"
-#include "muster/limits.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -4,7 +4,6 @@
 #include "core/clock.h"
 #include "core/exits.h"
 #include "core/log.h"
-#include "core/text.h"
 
 #include <limits.h>
 #include <stdio.h>

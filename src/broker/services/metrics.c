@@ -2,7 +2,6 @@
 #include "broker/services/services.h"
 
 #include "broker/control/parts.h"
-#include "core/text.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -2,7 +2,6 @@
 #include "broker/services/services.h"
 
 #include "broker/control/parts.h"
-#include "core/address.h"
 
 #include <string.h>
 

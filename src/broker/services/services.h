@@ -7,13 +7,6 @@
 #define MUSTER_BROKER_SERVICES_H
 
 #include "broker/delivery/delivery.h"
-#include "core/text.h"
-
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
-struct broker;
 
 /* --- metrics.c ------------------------------------------------------------------------------- */
 

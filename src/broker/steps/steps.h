@@ -9,8 +9,6 @@
 
 #include "broker/steps/scope.h"
 
-struct broker;
-
 /* --- role.c ---------------------------------------------------------------------------------- */
 
 /* What a process is to a run that goes by steps; _OWED: the Delivery of the last step has not gone
