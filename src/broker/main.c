@@ -77,7 +77,7 @@ static bool roster_is_heard(struct node *p, const muster_Roster *roster)
             return false;
         }
     }
-    return !roster->lockstep || outlets_circulars_drained(&p->bags);
+    return !roster->lockstep || !p->bags.once || bus_drain(&p->bags.circulars, 0);
 }
 
 /* The end of a roster has the simulator's name alone. */
@@ -283,7 +283,8 @@ static void doubt_settle(struct node *p, bool is_lone)
         beacon_tell(h, p->broker, &p->bags);
         bus_wait(&p->bus, 1, IMPATIENT_NS);
     }
-    beacon_be_sure(h);
+    h->sure = true;
+    h->pulse.told_ns = 0; /* agents may come from now on */
 }
 
 /* Joins the network.  @return MU_EXIT_DONE, or the exit code, explained */

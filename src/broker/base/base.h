@@ -9,6 +9,15 @@
 
 #include "broker/base/mailbox.h"
 
+#include <string.h>
+
+/** Takes the i-th element, of so many bytes, out of an array in order. */
+static inline void array_remove(void *array, size_t bytes, uint32_t *count, uint32_t i)
+{
+    char *at = (char *)array + i * bytes;
+    memmove(at, at + bytes, (--*count - i) * bytes);
+}
+
 /* --- clock.c --------------------------------------------------------------------------------- */
 
 /*
@@ -67,9 +76,6 @@ static inline bool clock_collects(const struct clock *c)
 {
     return c->mode == CLOCK_COLLECTS;
 }
-
-/** @return how long to wait for an answer: in simulated time, if steps move the clock */
-uint64_t clock_patience_ns(const struct clock *c, uint64_t wall_ns, uint64_t steps);
 
 /** @return the run's time; 0 when none has started */
 static inline uint64_t clock_run_ns(const struct clock *c)

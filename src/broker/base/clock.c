@@ -24,11 +24,6 @@ void clock_commit_end(struct clock *c)
     c->mode = CLOCK_COLLECTS;
 }
 
-uint64_t clock_patience_ns(const struct clock *c, uint64_t wall_ns, uint64_t steps)
-{
-    return clock_by_steps(c) ? steps * c->step_ns : wall_ns;
-}
-
 uint64_t clock_then_ns(const struct clock *c, uint64_t shows_ns, uint64_t then_ns)
 {
     uint64_t ahead_ns = then_ns > shows_ns ? then_ns - shows_ns : 0;

@@ -67,8 +67,8 @@ static void place_leave(struct broker *b, uint32_t place)
 {
     struct process *at = &b->processes.at[place];
     steps_role_on(b, place, ROLE_LEAVES);
-    view_forget_told(at); /* it was not shown all */
-    if (!b->steps.held) { /* else its next life is to be told again */
+    at->groups_had = at->services_had = 0; /* it was not shown all */
+    if (!b->steps.held) {                  /* else its next life is to be told again */
         residents_have_heard(b, place);
     }
     at->roll_call_due = at->roll_call_due || at->overruled;
@@ -236,8 +236,8 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
     steps_note_counts(b);
     l->version = l->start_version = b->registry.changes.version;
     for (uint32_t i = 0; i < l->roster_count; i++) {
-        b->processes.at[l->roster[i]].version_had = 0; /* the whole pages, as of now */
-        view_forget_told(&b->processes.at[l->roster[i]]);
+        struct process *at = &b->processes.at[l->roster[i]];
+        at->version_had = at->groups_had = at->services_had = 0; /* the whole pages, as of now */
     }
     notify_run(b, true);
 }

@@ -262,9 +262,6 @@ bool view_shows(const struct broker *b, uint32_t line, bool inside);
 /** What is said now: its stamp, and whether it takes effect inside.  Call before each change. */
 struct said view_said(struct broker *b);
 
-/** A process is to be told everything again. */
-void view_forget_told(struct process *at);
-
 /** Adds to a Delivery what has changed since the last one. */
 void view_fill(struct broker *b, const struct process *at, muster_Delivery *d);
 

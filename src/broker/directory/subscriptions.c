@@ -50,8 +50,7 @@ struct subscription *subscriptions_add(struct subscriptions *s, const char *agen
 void subscriptions_remove(struct subscriptions *s, uint32_t index)
 {
     uint32_t slot = s->order[index];
-    s->count--;
-    memmove(&s->order[index], &s->order[index + 1], (s->count - index) * sizeof *s->order);
+    array_remove(s->order, sizeof *s->order, &s->count, index);
     s->order[s->count] = slot;
 }
 

@@ -87,11 +87,6 @@ uint64_t view_lease_ns(const struct broker *b, uint32_t line)
 
 /* --- deliveries ------------------------------------------------------------------------------- */
 
-void view_forget_told(struct process *at)
-{
-    at->groups_had = at->services_had = 0;
-}
-
 static void memberships_fill(struct lines *g, const struct process *at, muster_Delivery *d)
 {
     bool inside = scope_is_inside(at->scope);

@@ -32,7 +32,7 @@ bool mail_durable_on(struct mail *m, enum mail_durable_event event)
 
 void journal_init(struct journal *j, bool on)
 {
-    *j = (struct journal){.on = on};
+    *j = (struct journal){.on = on, .awaits_ns = UINT64_MAX};
     if (on) {
         j->agents = mu_startup_array(REGISTRY_MAX, sizeof *j->agents);
         j->buckets = mu_startup_array(JOURNAL_BUCKETS, sizeof *j->buckets);

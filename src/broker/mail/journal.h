@@ -90,8 +90,8 @@ struct journal_cursor {
 struct journal {
     bool on;
     bool failing;
-    bool awaits;        /* agents that are not there may still come back: see struct agent */
-    uint64_t awaits_ns; /* until then, the first of them */
+    uint64_t awaits_ns; /* until then the first of the agents that are not there may still come
+                           back: see struct agent; UINT64_MAX: none may */
     uint64_t retry_ns;
     uint64_t rows;          /* the last row of a mail */
     struct mail_list mails; /* that are marked, in order of routing */

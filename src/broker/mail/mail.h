@@ -263,12 +263,6 @@ void answer_ask(struct broker *b, uint32_t receiver, const char *performative,
 /* How long an answer may take: outside, and inside. */
 enum { RESOLVE_PATIENCE_MS = 1000, RESOLVE_PATIENCE_STEPS = 10 };
 
-enum resolve_state {
-    RESOLVE_FOLLOWS, /* its receivers are known, or none resolves them */
-    RESOLVE_ASKED,
-    RESOLVE_ANSWERED,
-};
-
 /* A mail that waits. */
 struct resolve_wait {
     struct mail *mail;
@@ -276,7 +270,6 @@ struct resolve_wait {
     struct mu_link link;  /* of the same sender */
     struct mu_link asked; /* of those that wait for an answer, in the order of asking */
     uint32_t resolver;    /* the agent that is asked */
-    uint8_t state;        /* enum resolve_state */
     uint64_t ticket;
     uint64_t since_ns, until_ns; /* mail clock */
 };

@@ -209,13 +209,12 @@ static const uint64_t AWAIT_NS = 10000000000;
 uint64_t outcome_deadline_ns(const struct broker *b)
 {
     uint64_t retry_ns = b->journal.failing ? b->journal.retry_ns : UINT64_MAX;
-    return b->journal.awaits && b->journal.awaits_ns < retry_ns ? b->journal.awaits_ns : retry_ns;
+    return b->journal.awaits_ns < retry_ns ? b->journal.awaits_ns : retry_ns;
 }
 
 static void await_until(struct journal *j, uint64_t until_ns)
 {
-    j->awaits_ns = j->awaits && j->awaits_ns < until_ns ? j->awaits_ns : until_ns;
-    j->awaits = true;
+    j->awaits_ns = j->awaits_ns < until_ns ? j->awaits_ns : until_ns;
 }
 
 void outcome_await(struct broker *b, uint32_t agent)
@@ -228,10 +227,10 @@ void outcome_await(struct broker *b, uint32_t agent)
 
 void outcome_await_tick(struct broker *b)
 {
-    if (!b->journal.awaits || b->clock.now_ns < b->journal.awaits_ns) {
+    if (b->clock.now_ns < b->journal.awaits_ns) {
         return;
     }
-    b->journal.awaits = false;
+    b->journal.awaits_ns = UINT64_MAX;
     uint64_t wall_ns = clock_wall_ns(&b->clock);
     for (uint32_t i = 0; i < b->registry.count; i++) {
         const struct agent *a = &b->registry.agents[i];

@@ -49,12 +49,6 @@ static void word_of(struct broker *b, struct probe *probe, uint32_t place, muste
     }
 }
 
-static void word_remove(struct probes *g, uint32_t i)
-{
-    g->words_count--;
-    memmove(&g->words[i], &g->words[i + 1], (g->words_count - i) * sizeof g->words[0]);
-}
-
 bool probes_next(struct broker *b, uint32_t place, muster_Glance *out)
 {
     struct probes *g = &b->probes;
@@ -82,7 +76,7 @@ void probes_sent(struct broker *b)
     if (w->word != muster_GLANCE_ASK && w->probe != MU_NONE) {
         glance_free(g, &g->at[w->probe]);
     }
-    word_remove(g, g->open);
+    array_remove(g->words, sizeof g->words[0], &g->words_count, g->open);
 }
 
 /* --- questions -------------------------------------------------------------------------------- */
@@ -183,7 +177,7 @@ static void words_drop(struct probes *g, uint32_t place, uint32_t probe)
     for (uint32_t i = g->words_count; i > 0; i--) {
         const struct probes_word *w = &g->words[i - 1];
         if (w->place == place || (probe != MU_NONE && w->probe == probe)) {
-            word_remove(g, i - 1);
+            array_remove(g->words, sizeof g->words[0], &g->words_count, i - 1);
         }
     }
 }

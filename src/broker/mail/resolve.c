@@ -50,10 +50,10 @@ static void resolver_ask(struct broker *b, uint32_t index)
     struct resolve *r = &b->resolve;
     struct resolve_wait *w = &r->waits[index];
     bool inside = scope_is_inside(b->registry.agents[w->resolver].scope);
-    w->state = RESOLVE_ASKED;
     w->ticket = (inside ? 0 : OUTSIDE_TICKETS) + ++r->tickets[inside];
-    w->until_ns = w->since_ns + clock_patience_ns(&b->clock, RESOLVE_PATIENCE_MS * 1000000ull,
-                                                  RESOLVE_PATIENCE_STEPS);
+    w->until_ns =
+        w->since_ns + (clock_by_steps(&b->clock) ? RESOLVE_PATIENCE_STEPS * b->clock.step_ns
+                                                 : RESOLVE_PATIENCE_MS * 1000000ull);
     r->soonest_ns = w->until_ns < r->soonest_ns ? w->until_ns : r->soonest_ns;
     r->asked++;
     (void)mu_list_append(&r->waits_asked, MU_LINKS(r->waits, asked), index);
@@ -86,7 +86,7 @@ struct mail *resolve_next_ready(struct broker *b, uint32_t sender, struct mail *
 {
     struct resolve *r = &b->resolve;
     uint32_t index = mu_list_first(&r->queues[sender]);
-    if (index == MU_NONE || r->waits[index].state == RESOLVE_ASKED) {
+    if (index == MU_NONE || mu_list_has(MU_LINKS(r->waits, asked), index)) {
         return NULL;
     }
     struct resolve_wait w = r->waits[index];
@@ -110,7 +110,6 @@ static uint32_t wait_answer(struct broker *b, uint32_t index, struct mail *answe
     struct resolve *r = &b->resolve;
     struct resolve_wait *w = &r->waits[index];
     (void)mu_list_remove(&r->waits_asked, MU_LINKS(r->waits, asked), index);
-    w->state = RESOLVE_ANSWERED;
     w->answer = answer;
     if (answer) {
         pool_keep(answer);

@@ -59,17 +59,12 @@ static bool word_is_void(const struct broker *b, const struct snapshot_word *w)
            (!is_out(c) || strcmp(c->name, w->name) != 0 || c->epoch != w->epoch);
 }
 
-static void word_remove(struct snapshots *d, uint32_t i)
-{
-    d->words_count--;
-    memmove(&d->words[i], &d->words[i + 1], (d->words_count - i) * sizeof d->words[0]);
-}
-
 static void words_tidy(struct broker *b)
 {
-    for (uint32_t i = b->snapshots.words_count; i > 0; i--) {
-        if (word_is_void(b, &b->snapshots.words[i - 1])) {
-            word_remove(&b->snapshots, i - 1);
+    struct snapshots *d = &b->snapshots;
+    for (uint32_t i = d->words_count; i > 0; i--) {
+        if (word_is_void(b, &d->words[i - 1])) {
+            array_remove(d->words, sizeof d->words[0], &d->words_count, i - 1);
         }
     }
 }
@@ -129,7 +124,7 @@ bool snapshots_next(struct broker *b, uint32_t place, muster_Trip *out)
     uint32_t i = 0;
     while (i < d->words_count && (d->words[i].place != place || word_is_void(b, &d->words[i]))) {
         if (d->words[i].place == place) {
-            word_remove(d, i);
+            array_remove(d->words, sizeof d->words[0], &d->words_count, i);
         } else {
             i++;
         }
@@ -152,7 +147,8 @@ bool snapshots_next(struct broker *b, uint32_t place, muster_Trip *out)
 
 void snapshots_sent(struct broker *b)
 {
-    word_remove(&b->snapshots, b->snapshots.open);
+    struct snapshots *d = &b->snapshots;
+    array_remove(d->words, sizeof d->words[0], &d->words_count, d->open);
 }
 
 /* --- keeping ---------------------------------------------------------------------------------- */

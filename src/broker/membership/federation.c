@@ -6,14 +6,33 @@
 
 #include <string.h>
 
+/* So long DDS keeps the samples of a writer that is not heard. */
+static const uint64_t OVER_NS = 10000000000;
+
 /* --- coming and going --------------------------------------------------------------------------
  */
+
+/* A process that comes after it must not begin with numbers that it has used. */
+static void route_lose(struct broker *b, struct peer *p, uint32_t agent)
+{
+    struct route *route = &p->routes[agent];
+    struct agent *a = &b->registry.agents[agent];
+    uint64_t most = INT64_MAX / 2;
+    uint64_t last = route->last_seq < most ? route->last_seq + JOURNAL_RESERVE : most;
+    if (route->present && last > a->seq.elsewhere) {
+        a->seq.elsewhere = last;
+    }
+    if (strcmp(route->is.home, p->name) == 0) {
+        names_hold(b, agent);
+    }
+    route->present = false;
+}
 
 static void routes_lose(struct broker *b, struct peer *p)
 {
     for (uint32_t i = REGISTRY_OWN; i < b->registry.count; i++) {
         if (p->routes[i].present) {
-            remote_lose_route(b, p, i);
+            route_lose(b, p, i);
             lifecycle_review(b, i);
         }
     }
@@ -29,6 +48,17 @@ void federation_lose(struct broker *b, uint32_t place)
         (void)remote_peer_on(&b->federation, p, PEER_LOST);
     }
     processes_tidy(&b->processes, place);
+}
+
+static void numbers_forget(struct broker *b, struct peer *p)
+{
+    for (uint32_t i = 0; i < b->registry.count; i++) {
+        if (p->taken[i] > 0) { /* memory of others stays untouched */
+            p->taken[i] = 0;
+            p->ack_due[i] = false;
+        }
+    }
+    p->acks_count = 0;
 }
 
 struct peer *federation_meet(struct broker *b, const char *name, uint64_t incarnation)
@@ -48,7 +78,7 @@ struct peer *federation_meet(struct broker *b, const char *name, uint64_t incarn
     p->heard_ns = b->clock.now_ns;
     if (begins) {
         routes_lose(b, p);
-        remote_forget_numbers(b, p);
+        numbers_forget(b, p);
         p->incarnation = incarnation;
     }
     return p;
@@ -92,7 +122,7 @@ static bool entry_is_ours(const struct broker *b, const muster_Entry *e)
 /* Its sender has left before the outcome of its mail came. */
 static void receipts_forget(struct broker *b, uint32_t agent)
 {
-    if (b->registry.agents[agent].bearer == BEARER_AWAITED && !b->journal.awaits) {
+    if (b->registry.agents[agent].bearer == BEARER_AWAITED && b->journal.awaits_ns == UINT64_MAX) {
         names_bearer_on(&b->registry, agent, BEARER_FORGETS);
         receipts_drop(&b->receipts, agent, receipts_count(&b->receipts, agent));
     }
@@ -188,6 +218,13 @@ static void entry_take(struct broker *b, struct peer *p, const muster_Entry *e, 
     lifecycle_review(b, agent);
 }
 
+/* @return whether this life of a neighbour has been silent for so long that what is said by an
+ * earlier number cannot be a word that was under way */
+static bool peer_is_over(const struct broker *b, const struct peer *p)
+{
+    return p->state == PEER_SILENT && b->clock.now_ns - p->heard_ns >= OVER_NS;
+}
+
 void federation_hear(struct broker *b, const muster_Registration *r)
 {
     const char *name = remote_is_broker(r->process) ? remote_name(r->process) : NULL;
@@ -199,7 +236,7 @@ void federation_hear(struct broker *b, const muster_Registration *r)
         return; /* our own */
     }
     struct peer *p = remote_peer(b, name);
-    if (p && r->incarnation < p->incarnation && remote_is_over(b, p)) {
+    if (p && r->incarnation < p->incarnation && peer_is_over(b, p)) {
         /* a later life, whose clock has been set back */
         (void)remote_peer_on(&b->federation, p, PEER_FORGOTTEN);
     }

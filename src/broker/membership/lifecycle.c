@@ -157,7 +157,7 @@ static void box_follow(struct broker *b, uint32_t agent, const struct presence *
 
 void lifecycle_tell_again(struct broker *b, uint32_t place)
 {
-    view_forget_told(&b->processes.at[place]);
+    b->processes.at[place].groups_had = b->processes.at[place].services_had = 0;
     PROCESSES_EACH_AGENT (b, agent, place) {
         names_owe_verdict(b, agent);
         mailbox_repeat(&b->mailbox, agent);
@@ -359,6 +359,7 @@ void lifecycle_review(struct broker *b, uint32_t agent)
 void lifecycle_tick_routes(struct broker *b)
 {
     while (remote_deadline_ns(b) <= b->clock.now_ns) {
-        route_choose(b, remote_end_pause(&b->federation), true);
+        struct federation *l = &b->federation;
+        route_choose(b, mu_list_take(&l->pausing, MU_LINKS(l->pauses, link)), true);
     }
 }

@@ -236,8 +236,7 @@ static uint32_t place_hear(struct broker *b, const muster_Registration *r)
         if (at->agents_count > 0) {
             place_leave(b, place);
         }
-        at->version_had = 0;
-        view_forget_told(at);
+        at->version_had = at->groups_had = at->services_had = 0;
     }
     at->incarnation = r->incarnation;
     enum process_kind kind = r->watches ? PROCESS_ONLOOKERS : PROCESS_PLAIN;

@@ -212,7 +212,7 @@ static uint32_t acks_ready(const struct broker *b, struct peer *p)
     uint32_t waiting = 0;
     for (uint32_t i = 0; i < p->acks_count; i++) {
         uint32_t agent = p->acks[i];
-        if (steps_keeps_relayed(&b->steps, agent)) {
+        if (b->steps.turns[agent].relayed > 0) {
             p->acks[i] = p->acks[waiting];
             p->acks[waiting++] = agent;
         }

@@ -216,8 +216,9 @@ static void name_clear(struct broker *b, uint32_t agent)
 void retire_disposed(struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
-    b->retirement.ending += registry_is_ending(a);
-    if (registry_is_ending(a) && a->named != NAMED_ENDED && !clock_by_steps(&b->clock)) {
+    bool ends = a->process == MU_NONE && a->named != NAMED_LASTS;
+    b->retirement.ending += ends;
+    if (ends && a->named != NAMED_ENDED && !clock_by_steps(&b->clock)) {
         name_clear(b, agent);
     }
 }

@@ -177,9 +177,6 @@ static inline uint32_t registry_addressee(const struct registry *r, const char *
 /* Something happens to a name; our own code aborts if it cannot. */
 void registry_named_on(struct registry *r, uint32_t agent, enum name_event event);
 
-/** @return whether the agent of the name was disposed of, and no other bears it */
-bool registry_is_ending(const struct agent *a);
-
 /** @return whether it is the broker or one of its parts */
 static inline bool registry_is_own(uint32_t agent)
 {

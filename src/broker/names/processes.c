@@ -96,12 +96,11 @@ static void place_forget(struct processes *p, uint32_t place)
     MU_ASSERT(gone);
     processes_turn_on(p, place, TURN_IS_FORGOTTEN);
     processes_session_on(p, place, SESSION_FORGOTTEN);
-    p->used_count--;
 }
 
 static uint32_t place_free(struct processes *p)
 {
-    if (p->used_count < p->top || p->top == MU_PROCESSES_MAX) {
+    if (p->names.count < p->top || p->top == MU_PROCESSES_MAX) {
         for (uint32_t i = 0; i < p->top; i++) {
             if (p->at[i].session == SESSION_FREE) {
                 return i;
@@ -137,7 +136,6 @@ uint32_t processes_get(struct processes *p, const char *name)
                            .seat = ++p->seats};
     bool fits = mu_text_copy(at->name, sizeof at->name, name);
     MU_ASSERT(fits && mu_table_put(&p->names, at->name, place) == MU_OK);
-    p->used_count++;
     processes_session_on(p, place, SESSION_ENTERS);
     return place;
 }

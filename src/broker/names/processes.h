@@ -114,10 +114,9 @@ struct process {
 };
 
 struct processes {
-    struct process *at; /* MU_PROCESSES_MAX of them */
-    uint32_t top;       /* entries ever used */
-    uint32_t seats;     /* given out */
-    uint32_t used_count;
+    struct process *at;       /* MU_PROCESSES_MAX of them */
+    uint32_t top;             /* entries ever used */
+    uint32_t seats;           /* given out */
     struct mu_list unmatched; /* those in use that have not matched */
     uint32_t hearers;         /* those that read multicasts */
     uint32_t held, refused;   /* those whose turn is so */

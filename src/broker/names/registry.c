@@ -31,11 +31,6 @@ void registry_named_on(struct registry *r, uint32_t agent, enum name_event event
     a->named = (enum name_state)next;
 }
 
-bool registry_is_ending(const struct agent *a)
-{
-    return a->process == MU_NONE && a->named != NAMED_LASTS;
-}
-
 void registry_init(struct registry *r, uint32_t names)
 {
     MU_ASSERT(names <= MU_AGENTS_MAX);
@@ -91,8 +86,7 @@ static void order_remove(struct registry *r, uint32_t agent)
 {
     uint32_t at = order_place(r, r->agents[agent].name);
     MU_ASSERT(r->order[at] == agent);
-    r->live--;
-    memmove(&r->order[at], &r->order[at + 1], (r->live - at) * sizeof *r->order);
+    array_remove(r->order, sizeof *r->order, &r->live, at);
 }
 
 static void agent_clear(struct agent *a)

@@ -13,9 +13,6 @@ enum { PREFIX_LEN = sizeof PREFIX - 1 };
 
 static const uint64_t PAUSE_NS = FEDERATION_PAUSE_MS * 1000000ull;
 
-/* So long DDS keeps the samples of a writer that is not heard. */
-static const uint64_t OVER_NS = 10000000000;
-
 void remote_init(struct federation *l)
 {
     *l = (struct federation){.part_open = MU_NONE, .peer_open = MU_NONE};
@@ -119,11 +116,6 @@ bool remote_pauses(const struct federation *l, uint32_t agent)
     return mu_list_has(MU_LINKS(l->pauses, link), agent);
 }
 
-uint32_t remote_end_pause(struct federation *l)
-{
-    return mu_list_take(&l->pausing, MU_LINKS(l->pauses, link));
-}
-
 uint64_t remote_deadline_ns(const struct broker *b)
 {
     const struct federation *l = &b->federation;
@@ -162,21 +154,6 @@ uint64_t remote_begin_seq(const struct broker *b, uint32_t agent)
     }
     uint64_t begin = lane_after(b, last);
     return begin <= INT64_MAX / 2 ? begin : last;
-}
-
-void remote_lose_route(struct broker *b, struct peer *p, uint32_t agent)
-{
-    struct route *route = &p->routes[agent];
-    struct agent *a = &b->registry.agents[agent];
-    uint64_t most = INT64_MAX / 2;
-    uint64_t last = route->last_seq < most ? route->last_seq + JOURNAL_RESERVE : most;
-    if (route->present && last > a->seq.elsewhere) {
-        a->seq.elsewhere = last;
-    }
-    if (strcmp(route->is.home, p->name) == 0) {
-        names_hold(b, agent);
-    }
-    route->present = false;
 }
 
 /* --- states -------------------------------------------------------------------------------------
@@ -223,20 +200,4 @@ struct peer *remote_add_peer(struct broker *b, const char *name)
         mu_text_format(&t, "%s%s", PREFIX, name);
     }
     return p;
-}
-
-void remote_forget_numbers(struct broker *b, struct peer *p)
-{
-    for (uint32_t i = 0; i < b->registry.count; i++) {
-        if (p->taken[i] > 0) { /* memory of others stays untouched */
-            p->taken[i] = 0;
-            p->ack_due[i] = false;
-        }
-    }
-    p->acks_count = 0;
-}
-
-bool remote_is_over(const struct broker *b, const struct peer *p)
-{
-    return p->state == PEER_SILENT && b->clock.now_ns - p->heard_ns >= OVER_NS;
 }

@@ -131,19 +131,10 @@ uint64_t remote_deadline_ns(const struct broker *b);
 
 struct peer *remote_best_peer(struct broker *b, uint32_t agent);
 
-/** @return whether a life of a neighbour has been silent for so long that what is said by an
- * earlier number cannot be a word that was under way */
-bool remote_is_over(const struct broker *b, const struct peer *p);
-
 /** @return whether a way can lead back to here: its neighbour may have it from us */
 bool remote_may_be_echo(const struct agent *a, const struct route *route, bool same_neighbour);
 
-void remote_forget_numbers(struct broker *b, struct peer *p);
-
 void remote_hold_down(struct broker *b, uint32_t agent);
-
-/** Ends the pause that remote_deadline_ns is of.  @return the agent */
-uint32_t remote_end_pause(struct federation *l);
 
 /** @return whether an agent has to wait for a route that can be an echo */
 bool remote_pauses(const struct federation *l, uint32_t agent);
@@ -153,8 +144,5 @@ struct peer *remote_add_peer(struct broker *b, const char *name);
 
 /** @return false: the event was refused, and counted */
 bool remote_peer_on(struct federation *l, struct peer *p, enum peer_event event);
-
-/** A process that comes after it must not begin with numbers that it has used. */
-void remote_lose_route(struct broker *b, struct peer *p, uint32_t agent);
 
 #endif

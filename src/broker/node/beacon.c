@@ -71,12 +71,6 @@ void beacon_tell(struct beacon *h, struct broker *b, const struct outlets *bags)
     (void)written; /* the next heartbeat says it again */
 }
 
-void beacon_be_sure(struct beacon *h)
-{
-    h->sure = true;
-    h->pulse.told_ns = 0;
-}
-
 void beacon_close(struct beacon *h)
 {
     if (!h->yields) { /* disposed, both would be gone */

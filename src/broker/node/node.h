@@ -50,9 +50,6 @@ MU_MUST_USE mu_result outlets_open(struct outlets *m, struct bus *bus, const str
 /** @return the writer to a process, or to all (BUS_TO_ALL); NULL: there is none */
 const struct bus_writer *outlets_writer(struct outlets *m, const char *process);
 
-/** @return whether all multicasts that were written have arrived */
-bool outlets_circulars_drained(const struct outlets *m);
-
 /** @return the bag of a process, or NULL: it has none */
 struct outlet *outlets_find(struct outlets *m, const char *process);
 
@@ -147,9 +144,6 @@ void beacon_hear(struct beacon *h);
  * @param bags the readers that are to hear of it
  */
 void beacon_tell(struct beacon *h, struct broker *b, const struct outlets *bags);
-
-/** No broker was heard that has our name: agents may come from now on. */
-void beacon_be_sure(struct beacon *h);
 
 /** Takes the Beacon back; a broker that yields leaves it to the other one. */
 void beacon_close(struct beacon *h);

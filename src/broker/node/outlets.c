@@ -19,11 +19,6 @@ const struct bus_writer *outlets_writer(struct outlets *m, const char *process)
     return bag ? &bag->writer : strcmp(process, BUS_TO_ALL) == 0 ? &m->circulars : NULL;
 }
 
-bool outlets_circulars_drained(const struct outlets *m)
-{
-    return !m->once || bus_drain(&m->circulars, 0);
-}
-
 struct outlet *outlets_find(struct outlets *m, const char *process)
 {
     uint32_t index = mu_table_find(&m->names, process);

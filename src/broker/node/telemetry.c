@@ -13,8 +13,7 @@ mu_result telemetry_open(struct telemetry *h, struct bus *bus)
 {
     *h = (struct telemetry){.bus = bus};
     MU_TRY(bus_writer_open(bus, BUS_BROKER_STATUS, NULL, NULL, &h->status));
-    MU_TRY(bus_writer_open(bus, BUS_PART_STATUS, NULL, NULL, &h->parts));
-    return MU_OK;
+    return bus_writer_open(bus, BUS_PART_STATUS, NULL, NULL, &h->parts);
 }
 
 static uint64_t cpu_ns(void)

@@ -43,7 +43,7 @@ static const struct metric counters[] = {
      AT(registry.live)},
     {PART_NAMES, "names-ended", "names that were absent, held nothing, and made room",
      AT(retirement.ended)},
-    {PART_NAMES, "processes", "processes that it serves now", AT(processes.used_count)},
+    {PART_NAMES, "processes", "processes that it serves now", AT(processes.names.count)},
     {PART_NAMES, "claims", "names that another process waits for now", AT(claims.pool.live)},
     {PART_NAMES, "capsules", "capsules of agents on their way that it keeps now",
      AT(snapshots.count)},

@@ -62,14 +62,14 @@ void steps_set_held(struct broker *b, bool held)
 void steps_note_counts(struct broker *b)
 {
     const struct broker_counters *c = &b->counters;
-    b->steps.so_far = (muster_LockstepEnd){.ended = b->steps.end.ended + 1,
-                                           .sent = c->sent,
-                                           .delivered = c->delivered,
-                                           .waiting = c->waiting,
-                                           .expired = c->expired,
-                                           .refused = c->box_full + c->over_share +
-                                                      c->unknown_name + c->refused + c->dropped +
-                                                      c->no_store};
+    b->steps.so_far =
+        (muster_LockstepEnd){.ended = b->steps.end.ended + 1,
+                             .sent = c->sent,
+                             .delivered = c->delivered,
+                             .waiting = c->waiting,
+                             .expired = c->expired,
+                             .refused = c->box_full + c->over_share + c->unknown_name + c->refused +
+                                        c->dropped + c->no_store};
 }
 
 /* --- collecting ------------------------------------------------------------------------------- */
@@ -145,11 +145,6 @@ bool steps_keeps_before(const struct broker *b, const struct mail *m, uint32_t r
     const struct turn *turn = &l->turns[m->sender];
     bool may_overtake = l->turns[receiver].awaited > 0 || mail_is_durable(m);
     return turn->many > 0 || (turn->outside.first && may_overtake);
-}
-
-bool steps_keeps_relayed(const struct steps *l, uint32_t agent)
-{
-    return l->turns[agent].relayed > 0;
 }
 
 void steps_keep_ack(struct steps *l, uint32_t agent, uint64_t number)

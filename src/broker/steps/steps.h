@@ -164,9 +164,6 @@ static inline void steps_open_turn(struct steps *l)
  */
 bool steps_keep(struct broker *b, struct mail *m, bool from_outside);
 
-/** @return whether mail for an agent waits here that is on another broker's disk alone */
-bool steps_keeps_relayed(const struct steps *l, uint32_t agent);
-
 void steps_keep_ack(struct steps *l, uint32_t agent, uint64_t number);
 void steps_keep_state(struct steps *l, uint32_t agent, muster_State state);
 
