@@ -95,10 +95,17 @@ static bool file_write(const struct checkpoints *k, const char *name)
     return written && rename(beside, path) == 0;
 }
 
+/* One that has come back and has said nothing yet keeps its answer, for a life after this one. */
 static void head_add(struct mu_text *out, const struct robot *r)
 {
-    mu_text_format(out, "checkpoint %d %" PRId64 "\n", CHECKPOINT_VERSION, r->step);
-    answer_add(out, r->agent);
+    bool keeps = r->state == ROBOT_RETURNED && r->group->process->up_state != UP_ANSWERING;
+    mu_text_format(out, "checkpoint %d %" PRId64 "\n", CHECKPOINT_VERSION,
+                   keeps ? r->saved_step : r->step);
+    if (keeps) {
+        answer_keep(out, &r->answer);
+    } else {
+        answer_add(out, r->agent);
+    }
 }
 
 /* Writes an agent and its file.  @return NULL, or why that failed */

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ANSWER_NUMBERS = 8, ANSWER_MAIL_NUMBERS = 6 };
+enum { ANSWER_NUMBERS = 8, ANSWER_MAIL_NUMBERS = 6, LEN_DIGITS = 10 };
 
 /* --- writing ---------------------------------------------------------------------------------- */
 
@@ -66,35 +66,55 @@ static size_t body_add(struct mu_text *out, const muster_Act *act, const struct 
     return out->len - start;
 }
 
+static const char none[] = "answer none\n";
+
+/* @return where the length of what follows stands, for who knows it only behind that */
+static size_t head_add(struct mu_text *out, const struct answer *a)
+{
+    mu_text_format(out, "answer %d %.17g %.17g %d %d %u %u", a->drives, a->forward_m_s,
+                   a->turn_rad_s, a->paddles, a->lift, a->firings, a->mails);
+    mu_text_format(out, " %*zu\n", LEN_DIGITS, a->len);
+    return out->len - LEN_DIGITS - 1;
+}
+
 void answer_add(struct mu_text *out, const mu_agent *a)
 {
     const mu_process *p = a->process;
     if (p->up_state != UP_ANSWERING) {
-        mu_text_add(out, "answer none\n");
+        mu_text_add(out, none);
         return;
     }
     const muster_Act *act = &p->acts[a->act];
-    mu_text_format(out, "answer %d %.17g %.17g %d %d %" PRIu32 " %" PRIu32, act->drives,
-                   act->forward_m_s, act->turn_rad_s, (int)act->paddles, (int)act->lift,
-                   act->firings, act->mails._length);
-    /* The length of what follows stands before it, and is known behind it. */
-    enum { DIGITS = 10 };
-    size_t place = out->len;
-    mu_text_format(out, " %*s\n", DIGITS, "");
+    size_t place = head_add(out, &(struct answer){.drives = act->drives,
+                                                  .forward_m_s = act->forward_m_s,
+                                                  .turn_rad_s = act->turn_rad_s,
+                                                  .paddles = act->paddles,
+                                                  .lift = act->lift,
+                                                  .firings = act->firings,
+                                                  .mails = act->mails._length});
     size_t len = body_add(out, act, &a->outbox);
-    char digits[DIGITS + 1];
-    snprintf(digits, sizeof digits, "%*zu", DIGITS, len);
+    char digits[LEN_DIGITS + 1];
+    snprintf(digits, sizeof digits, "%*zu", LEN_DIGITS, len);
     if (!out->cut) {
-        memcpy(out->at + place + 1, digits, DIGITS);
+        memcpy(out->at + place, digits, LEN_DIGITS);
     }
     mu_text_add(out, "\n");
+}
+
+void answer_keep(struct mu_text *out, const struct answer *kept)
+{
+    if (!kept->text) {
+        mu_text_add(out, none);
+        return;
+    }
+    (void)head_add(out, kept);
+    mu_text_format(out, "%.*s\n", (int)kept->len, kept->text);
 }
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
 bool answer_read(const char **text, struct answer *out)
 {
-    static const char none[] = "answer none\n";
     int drives = 0, head = 0;
     *out = (struct answer){.text = NULL};
     if (strncmp(*text, none, sizeof none - 1) == 0) {

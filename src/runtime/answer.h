@@ -24,6 +24,9 @@ struct answer {
  */
 void answer_add(struct mu_text *out, const mu_agent *a);
 
+/** Adds one as it was read: of an agent that has come back, and has said nothing since. */
+void answer_keep(struct mu_text *out, const struct answer *kept);
+
 /**
  * Reads that and moves behind it.
  *

@@ -90,6 +90,22 @@ def test_neither_a_kill_nor_a_stop_changes_the_run():
         check(crashed["robots"] == summary["robots"], "what the robots did")
 
 
+def test_who_has_come_back_keeps_the_answer_of_its_last_life():
+    """It writes a checkpoint before it has a step.  If it dies then, the life after it says that answer."""
+    with run(*RESTART, *EACH_STEP, "--set", "duration=2") as r, Processes() as processes:
+        r.end()
+        saved = r.out / "checkpoints" / "red.capsule"
+        kept = saved.read_text().splitlines()[:3]
+        check(kept[0] == "checkpoint 1 19" and kept[1].startswith("answer 1 "), f"step and answer: {kept}")
+        written = saved.stat().st_mtime_ns
+        domain = new_domain()
+        broker_start(processes, domain)
+        processes.start(MUSTER, "robot", "red", "--rules", ROOT / "rules/follower.clp", "--domain", domain,
+                        "--checkpoint", "0.1", "--folder", saved.parent, "--restore")
+        wait_for(lambda: saved.stat().st_mtime_ns != written, 20, "a checkpoint of the next life")
+        check_equal(saved.read_text().splitlines()[:3], kept, "step and answer")
+
+
 TALKS = """
 (defglobal ?*heard* = 0)
 (defrule speak (position $?) => (setSpeed 100 0) (broadcast here ?*heard*) (send nosuch n ?*heard*)
@@ -121,6 +137,9 @@ def test_who_dies_between_two_packets_has_said_all_or_nothing():
             check_equal({s["process"].split(".")[-1]: s["count"] for s in crashed["restarts"]},
                         {name: len(packets) for name, packets in lives.items()}, "restarts")
             check_equal(crashed["hash"], calm["hash"], f"the hash, as {list(lives)} died")
+            for robot, other in zip(crashed["robots"], calm["robots"]):
+                for count in ("rule_firings", "mail_sent"):
+                    check_equal(robot[count], other[count], f"{count} of {robot['name']}, as {list(lives)} died")
 
 
 def test_who_comes_back_by_itself_survives_chaos():
