@@ -50,20 +50,35 @@ static void robot_act(struct session *s, struct session_robot *r, const muster_A
     mu_text_copy(r->goal, sizeof r->goal, act->goal);
 }
 
-static void act_take(struct session *s, const muster_Act *act, int32_t process)
+/* @return whether the agent has said the same in this step before: it does so if its process has
+ * died while others were awaited */
+static bool act_repeats(struct session *s, struct session_agent *agent, const muster_Act *act,
+                        int64_t step)
+{
+    unsigned char before[RUN_HASH_BYTES];
+    memcpy(before, agent->digest, sizeof before);
+    run_hash_act(s->hash, act, agent->digest);
+    bool again = agent->acted == step + 1;
+    agent->acted = step + 1;
+    return again && memcmp(before, agent->digest, sizeof before) == 0;
+}
+
+static void act_take(struct session *s, const muster_Act *act, int32_t process, int64_t step)
 {
     struct session_agent *agent = agents_find(&s->agents, act->agent);
     if (!agent || agent->process != process) {
         return;
     }
     agent->state = act->state;
+    if (agent->body >= 0) {
+        robot_act(s, &s->robots[agent->body], act);
+    }
+    if (act_repeats(s, agent, act, step)) {
+        return;
+    }
     if (agent->totals >= 0) {
         s->totals[agent->totals].told.firings += act->firings;
         s->totals[agent->totals].told.mails_sent += act->mails._length;
-    }
-    run_hash_act(s->hash, act, agent->digest);
-    if (agent->body >= 0) {
-        robot_act(s, &s->robots[agent->body], act);
     }
     act_note(s, agent, act);
     observe_act(s, (size_t)(agent - s->agents.at), act);
@@ -118,7 +133,7 @@ static void up_take(struct session *s, const muster_Up *up)
         (void)phase_on(s, PHASE_DEPARTURE);
     }
     for (uint32_t i = 0; i < up->acts._length; i++) {
-        act_take(s, &up->acts._buffer[i], process);
+        act_take(s, &up->acts._buffer[i], process, up->step);
     }
     for (uint32_t i = 0; i < up->acks._length; i++) {
         ack_note(s, &up->acks._buffer[i]);

@@ -22,7 +22,8 @@ struct session_agent {
     uint32_t slot;        /* of a robot: the place of its entry in that process's registration */
     muster_State state;   /* in its last act */
     int32_t totals;       /* index of what it amounts to; -1: it came while the run went on */
-    unsigned char digest[RUN_HASH_BYTES]; /* of what it did in this step */
+    unsigned char digest[RUN_HASH_BYTES]; /* of what it did in its last step, ... */
+    int64_t acted;                        /* ... which is the one before this */
 };
 
 /*
