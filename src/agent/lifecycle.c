@@ -28,8 +28,8 @@ static void arrive(struct robot *r, bool accepted, const char *reason)
     mu_log(accepted ? MU_LOG_INFO : MU_LOG_WARNING, accepted ? "arrived" : "arrival-refused",
            "name=%s %s", r->name, reason);
     if (accepted) {
+        robot_state_enter(&r->state, ROBOT_IS_NAMED); /* on_arrive asks for it */
         mu_agent_set_state(r->agent, r->returns_as);
-        robot_state_enter(&r->state, ROBOT_IS_NAMED);
     }
     if (r->group->on_arrived) {
         r->group->on_arrived(r, accepted, reason);

@@ -88,6 +88,8 @@ def test_neither_a_kill_nor_a_stop_changes_the_run():
         check_equal(crashed["restarts"], [{"process": "red", "count": 1}], f"restarts: {said}")
         check("red was killed by signal 9" in said and "red is started again in 0.5 s (1 of 5)" in said, said)
         check(crashed["robots"] == summary["robots"], "what the robots did")
+        verified = muster("verify", r.out / "run.mcap")
+        check_equal(verified.returncode, 0, f"verify: {verified.stdout}{verified.stderr}")
 
 
 def test_who_has_come_back_keeps_the_answer_of_its_last_life():
@@ -111,6 +113,7 @@ TALKS = """
 (defrule speak (position $?) => (setSpeed 100 0) (broadcast here ?*heard*) (send nosuch n ?*heard*)
   (send near:3 near ?*heard*) (update-sensors))
 (defrule comes-back (declare (salience 9)) ?e <- (event refused send $?) => (retract ?e) (setSpeed 50 5))
+(defrule arrives (declare (salience 9)) ?e <- (event on-arrive) => (retract ?e) (bind ?*heard* 1000))
 (defrule hears (declare (salience 9)) (message here $?) => (bind ?*heard* (+ ?*heard* 1)))
 (defrule is-near (declare (salience 9)) (message near $?) => (bind ?*heard* (+ ?*heard* 7)))
 """
