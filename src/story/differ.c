@@ -127,7 +127,8 @@ static bool mail_lists_differ(const char *who, const dds_sequence_muster_Mail *a
 
 static bool acts_differ(const muster_Act *a, const muster_Act *b, struct difference *d)
 {
-    bool diaries = a->diary[0] && b->diary[0];
+    /* A mind of a checkpoint begins its trace anew, where the one that did not die goes on. */
+    bool diaries = a->diary[0] && b->diary[0] && (a->diary[0] == '0') == (b->diary[0] == '0');
     return numbers(d, a->agent, "act.state", a->state, b->state) ||
            numbers(d, a->agent, "act.drives", a->drives, b->drives) ||
            reals(d, a->agent, "act.forward_m_s", a->forward_m_s, b->forward_m_s) ||
