@@ -41,6 +41,20 @@ void mu_text_add(struct mu_text *t, const char *s)
     mu_text_add_bytes(t, s, strlen(s));
 }
 
+void mu_text_add_number(struct mu_text *t, long long number)
+{
+    char digits[24];
+    size_t at = sizeof digits;
+    unsigned long long left = (unsigned long long)number;
+    left = number < 0 ? 0 - left : left;
+    do {
+        digits[--at] = (char)('0' + left % 10);
+        left /= 10;
+    } while (left > 0);
+    mu_text_add(t, number < 0 ? "-" : "");
+    mu_text_add_bytes(t, digits + at, sizeof digits - at);
+}
+
 /* Control characters, and those of the second set, which in UTF-8 are two bytes. */
 static bool is_control(const char *s, size_t len)
 {

@@ -71,7 +71,7 @@ static void line_add_field(struct mind *m, const struct field *f)
     if (f->type == FLOAT) {
         syntax_add_float(out, ValueToDouble(f->value));
     } else if (f->type == INTEGER) {
-        mu_text_format(out, "%lld", ValueToLong(f->value));
+        mu_text_add_number(out, ValueToLong(f->value));
     } else if (f->type == STRING) {
         mu_text_add(out, "\"");
         line_add(out, ValueToString(f->value));
@@ -99,12 +99,14 @@ static void line_add_fact(struct mind *m, const struct fact *f)
 {
     const struct deftemplate *t = f->whichDeftemplate;
     const struct field *value = f->theProposition.theFields;
-    mu_text_format(&m->trace, "(%s", ValueToString(t->header.name));
+    mu_text_add(&m->trace, "(");
+    mu_text_add(&m->trace, ValueToString(t->header.name));
     if (t->implied) {
         line_add_slot(m, value);
     }
     for (const struct templateSlot *s = t->implied ? NULL : t->slotList; s; s = s->next) {
-        mu_text_format(&m->trace, " (%s", ValueToString(s->slotName));
+        mu_text_add(&m->trace, " (");
+        mu_text_add(&m->trace, ValueToString(s->slotName));
         line_add_slot(m, value++);
         mu_text_add(&m->trace, ")");
     }
@@ -126,8 +128,9 @@ static void trace_asserted(void *env, void *fact)
 {
     struct mind *m = environment_mind(env);
     size_t start = m->trace.len;
-    mu_text_format(&m->trace, "%c%lld ", m->trace_fact == TRACE_SHOWN ? '=' : '+',
-                   ((const struct fact *)fact)->factIndex);
+    mu_text_add(&m->trace, m->trace_fact == TRACE_SHOWN ? "=" : "+");
+    mu_text_add_number(&m->trace, ((const struct fact *)fact)->factIndex);
+    mu_text_add(&m->trace, " ");
     line_add_fact(m, fact);
     line_end(m, start);
 }
@@ -136,7 +139,8 @@ static void trace_retracted(void *env, void *fact)
 {
     struct mind *m = environment_mind(env);
     size_t start = m->trace.len;
-    mu_text_format(&m->trace, "-%lld", ((const struct fact *)fact)->factIndex);
+    mu_text_add(&m->trace, "-");
+    mu_text_add_number(&m->trace, ((const struct fact *)fact)->factIndex);
     line_end(m, start);
 }
 
@@ -157,7 +161,9 @@ void trace_cause(struct mind *m, char kind, const char *what, const char *text)
 {
     if (m->options.trace) {
         size_t start = m->trace.len;
-        mu_text_format(&m->trace, "%c%s%s", kind, what[0] ? " " : "", what);
+        mu_text_add_bytes(&m->trace, &kind, 1);
+        mu_text_add(&m->trace, what[0] ? " " : "");
+        mu_text_add(&m->trace, what);
         mu_text_add(&m->trace, text[0] ? " " : "");
         line_add(&m->trace, text);
         line_end(m, start);
@@ -175,8 +181,13 @@ void trace_mail(struct mind *m, const struct mind_mail *mail)
 {
     if (m->options.trace) {
         size_t start = m->trace.len;
-        mu_text_format(&m->trace, "M %s %llu %s ", mail->src, (unsigned long long)mail->id,
-                       mail->performative[0] ? mail->performative : "-");
+        mu_text_add(&m->trace, "M ");
+        mu_text_add(&m->trace, mail->src);
+        mu_text_add(&m->trace, " ");
+        mu_text_add_number(&m->trace, (long long)mail->id);
+        mu_text_add(&m->trace, " ");
+        mu_text_add(&m->trace, mail->performative[0] ? mail->performative : "-");
+        mu_text_add(&m->trace, " ");
         line_add(&m->trace, mail->content);
         line_end(m, start);
     }

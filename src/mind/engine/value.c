@@ -168,7 +168,7 @@ void value_add_match(struct mu_text *out, const struct alphaMatch *match)
     if (!item) {
         mu_text_add(out, "*");
     } else if (item->theInfo->base.type == FACT_ADDRESS) {
-        mu_text_format(out, "%lld", ((const struct fact *)item)->factIndex);
+        mu_text_add_number(out, ((const struct fact *)item)->factIndex);
     } else {
         const char *name = ValueToString(((const INSTANCE_TYPE *)item)->name);
         mu_text_format(out, "[%s]", strpbrk(name, " ,\n\r") ? "?" : name);

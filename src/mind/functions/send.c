@@ -25,7 +25,7 @@ bool send_field(struct mu_text *out, unsigned short type, const void *value)
     case STRING: syntax_add_quoted(out, text->contents); return true;
     case INSTANCE_NAME: mu_text_format(out, "[%s]", text->contents); return true;
     case INTEGER:
-        mu_text_format(out, "%lld", ((const struct integerHashNode *)value)->contents);
+        mu_text_add_number(out, ((const struct integerHashNode *)value)->contents);
         return true;
     case FLOAT:
         syntax_add_float(out, value_of(type, value));

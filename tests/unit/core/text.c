@@ -24,6 +24,23 @@ static void test_text_grows_and_is_cleared(void)
     CU_ASSERT_STRING_EQUAL(buffer, "");
 }
 
+static void test_numbers_are_those_of_printf(void)
+{
+    const long long numbers[] = {0, 7, 10, -1, -90, 1234567890123, INT64_MAX, INT64_MIN};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        char one[32], other[32];
+        struct mu_text t = mu_text_in(one, sizeof one), u = mu_text_in(other, sizeof other);
+        mu_text_add_number(&t, numbers[i]);
+        mu_text_format(&u, "%lld", numbers[i]);
+        CU_ASSERT_STRING_EQUAL(one, other);
+        CU_ASSERT_EQUAL(t.len, u.len);
+    }
+    char few[4];
+    struct mu_text t = mu_text_in(few, sizeof few);
+    mu_text_add_number(&t, 12345);
+    CU_ASSERT_TRUE(t.cut);
+}
+
 static void test_limit_text_is_cut(void)
 {
     char buffer[8];
@@ -181,6 +198,7 @@ int main(void)
 {
     CU_TestInfo texts[] = {
         {"grows and is cleared", test_text_grows_and_is_cleared},
+        {"numbers are those of printf", test_numbers_are_those_of_printf},
         {"limit: what does not fit is cut", test_limit_text_is_cut},
         {"limit: a buffer of one byte", test_text_of_one_byte_holds_nothing},
         {"control characters are not shown", test_control_characters_are_not_shown},
