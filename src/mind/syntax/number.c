@@ -59,7 +59,7 @@ bool number_read(const char *at, size_t len, double *x)
 /* @return the first 17 digits of size, rounded, and the exponent of the first; 0: not sure */
 static uint64_t digits_of(double size, int *exponent)
 {
-    int e = EXPONENT_MIN;
+    int e = size >= 1 ? 0 : EXPONENT_MIN;
     while (e < EXPONENT_MAX && (e < -1 ? size * tens[-e - 1] >= 1 : size >= tens[e + 1])) {
         e++;
     }

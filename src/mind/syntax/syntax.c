@@ -17,6 +17,12 @@ static bool is_space(char c)
     return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f';
 }
 
+/* @return whether a character belongs to a word of a list of fields; most do by their number */
+static bool is_of_field(char c)
+{
+    return c > ')' || c < '\0' || (c && !is_space(c) && c != '(' && c != ')' && c != '"');
+}
+
 /* Characters that end a word in CLIPS. */
 static bool is_delimiter(char c)
 {
@@ -320,7 +326,7 @@ struct syntax_field syntax_read_field(const char **at)
     if (**at == '"') {
         return field_string(at);
     }
-    while (**at && !is_space(**at) && **at != '(' && **at != ')' && **at != '"') {
+    while (is_of_field(**at)) {
         (*at)++;
     }
     f.len = (size_t)(*at - f.at);
