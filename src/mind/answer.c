@@ -158,11 +158,14 @@ bool mind_handle(struct mind *m, const struct mind_mail *mail)
 bool mind_understands(const struct mind *m, const struct mind_mail *mail)
 {
     const char *word = mail->performative;
+    if (word[0] == '\0' && layer_of(mail) == MU_LAYER_SPEECH) {
+        return true; /* most mail */
+    }
     if (mail->in_reply_to[0] || mu_performative_answers(word)) {
         return true;
     }
     if (layer_of(mail) == MU_LAYER_SPEECH) {
-        return word[0] == '\0' || mu_performative_known(word);
+        return mu_performative_known(word);
     }
     return layer_of(mail) > MU_LAYER_SPEECH && mind_has_layer(m, layer_of(mail));
 }

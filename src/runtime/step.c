@@ -11,10 +11,10 @@
 #include <string.h>
 
 /* @return whether an item is the next one of its box; then its number is noted */
-static bool number_take(struct mu_agent *a, uint64_t number)
+static bool number_take(struct mu_agent *a, uint64_t number, uint64_t now_ns)
 {
     if (number <= a->last_number) {
-        ack_delay_add(&a->process->ack_delay, mu_clock_ns());
+        ack_delay_add(&a->process->ack_delay, now_ns);
         a->acked_number = 0; /* it came again, so our acknowledgement was lost: say it again */
         return false;
     }
@@ -22,7 +22,7 @@ static bool number_take(struct mu_agent *a, uint64_t number)
     if (a->in_order && number != a->last_number + 1) {
         return false;
     }
-    ack_delay_add(&a->process->ack_delay, mu_clock_ns());
+    ack_delay_add(&a->process->ack_delay, now_ns);
     a->in_order = true;
     a->last_number = number;
     return true;
@@ -36,7 +36,7 @@ static bool awaits_verdict(const struct mu_agent *a)
 }
 
 /* @return whether an item is to be handed over; either way it is acknowledged */
-static bool item_take(struct mu_agent *a, const muster_Parcel *item)
+static bool item_take(struct mu_agent *a, const muster_Parcel *item, uint64_t now_ns)
 {
     const muster_Mail *m = &item->letter;
     /* Mail to an agent that has begun to move is for its next life. */
@@ -47,7 +47,7 @@ static bool item_take(struct mu_agent *a, const muster_Parcel *item)
         queue_add(a, QUEUE_ACK);
     }
     bool had = item->number <= a->last_number;
-    if (!number_take(a, item->number)) {
+    if (!number_take(a, item->number, now_ns)) {
         if (had && !dedup_has(a->dedup, m)) {
             dedup_add(a->dedup, m); /* by an earlier life of the agent */
         }
@@ -68,9 +68,10 @@ static bool item_take(struct mu_agent *a, const muster_Parcel *item)
 static uint32_t items_mark(mu_process *p, const muster_Delivery *d)
 {
     uint32_t count = d->parcels._length < PROCESS_ITEMS ? d->parcels._length : PROCESS_ITEMS;
+    uint64_t now_ns = mu_clock_ns();
     for (uint32_t i = 0; i < count; i++) {
         const muster_Parcel *item = &d->parcels._buffer[i];
-        p->fresh[i] = item_take(agent_find(p, item->box), item);
+        p->fresh[i] = item_take(agent_find(p, item->box), item, now_ns);
     }
     return count;
 }

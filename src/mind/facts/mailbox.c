@@ -14,8 +14,6 @@ void mailbox_install(struct mind *m)
 
 static void field_set(struct mind *m, struct field *to, struct syntax_field f)
 {
-    memcpy(inputs_of(m)->scratch, f.at, f.len);
-    inputs_of(m)->scratch[f.len] = '\0';
     switch (f.kind) {
     case SYNTAX_FIELD_INTEGER:
         to->type = INTEGER;
@@ -32,6 +30,8 @@ static void field_set(struct mind *m, struct field *to, struct syntax_field f)
         break;
     case SYNTAX_FIELD_INSTANCE:
     case SYNTAX_FIELD_SYMBOL:
+        memcpy(inputs_of(m)->scratch, f.at, f.len);
+        inputs_of(m)->scratch[f.len] = '\0';
         to->type = f.kind == SYNTAX_FIELD_SYMBOL ? SYMBOL : INSTANCE_NAME;
         to->value = EnvAddSymbol(m->env, inputs_of(m)->scratch);
         break;
