@@ -237,6 +237,7 @@ mu_result bus_open(struct bus *bus, const struct bus_options *options)
         return bus_fault("participant", bus->participant);
     }
     bus->local = local;
+    bus->parcels = (struct local_room){0};
     bus->room = dds_alloc(sizeof *bus->room);
     *bus->room = (dds_ostream_t){.m_xcdr_version = LOCAL_CDR};
     return bus_arrivals_open(bus);
@@ -264,6 +265,7 @@ void bus_close(struct bus *bus)
         local_writers_close(bus);
         dds_free(bus->room->m_buffer);
         dds_free(bus->room);
+        dds_free(bus->parcels.at);
         bus_arrivals_close(bus);
     }
 }

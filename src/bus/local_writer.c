@@ -2,6 +2,7 @@
 #include "bus/local.h"
 
 #include "bus/local_frame.h"
+#include "bus/local_parcels.h"
 #include "bus/local_token.h"
 #include "bus/topics.h"
 #include "core/clock.h"
@@ -330,32 +331,39 @@ bool local_needs_dds(const struct local_writer *o)
     return needs;
 }
 
-/* @return its size: the sample as it goes by all sockets, in the room of the bus; 0: DDS has none
+/* @return its size: the sample as it goes by all sockets, in a room of the bus's; 0: DDS has none
  */
-static size_t frame_make(const struct local_writer *o, const void *sample)
+static size_t frame_make(const struct local_writer *o, const void *sample, char **frame)
 {
     dds_ostream_t *out = o->bus->room;
+    size_t end = 0;
     out->m_index = LOCAL_HEAD;
-    if (!dds_stream_write(out, sample, topic_table[o->topic].descriptor->m_ops)) {
+    if (o->topic == BUS_DELIVERY && local_parcels_are_several(sample)) {
+        end = local_parcels_write(o->bus, sample, frame);
+    } else if (dds_stream_write(out, sample, topic_table[o->topic].descriptor->m_ops)) {
+        end = out->m_index;
+        *frame = (char *)out->m_buffer;
+    }
+    uint32_t size = (uint32_t)(end + LOCAL_HEAD - 1) / LOCAL_HEAD * LOCAL_HEAD;
+    if (size == 0) {
         return 0;
     }
-    uint32_t size = (out->m_index + LOCAL_HEAD - 1) / LOCAL_HEAD * LOCAL_HEAD;
-    MU_ASSERT(size <= out->m_size); /* it grows by whole pages */
-    memset(out->m_buffer + out->m_index, 0, size - out->m_index);
-    memset(out->m_buffer, 0, LOCAL_HEAD);
-    memcpy(out->m_buffer, &size, sizeof size);
+    memset(*frame + end, 0, size - end); /* both rooms grow by more than that */
+    memset(*frame, 0, LOCAL_HEAD);
+    memcpy(*frame, &size, sizeof size);
     return size;
 }
 
 mu_result local_write(struct local_writer *o, const void *sample)
 {
     size_t size = 0;
+    char *frame = NULL;
     for (struct local_pair *p = o->pairs; p; p = p->next) {
-        if (p->state == PAIR_OPEN && size == 0 && (size = frame_make(o, sample)) == 0) {
+        if (p->state == PAIR_OPEN && size == 0 && (size = frame_make(o, sample, &frame)) == 0) {
             return MU_FAULT_DDS;
         }
         if (p->state == PAIR_OPEN) {
-            pair_write(p, (const char *)o->bus->room->m_buffer, size);
+            pair_write(p, frame, size);
         }
     }
     return MU_OK;
