@@ -128,7 +128,7 @@ def test_a_person_launches_clones_and_disposes():
     """What a person does is outside input, the rules of one that is launched with it; the run can be
     verified.  A name is free again when its agent is disposed of."""
     with folder() as out, Processes() as processes:
-        live = Live(processes, out, team_write(out, duration=25))
+        live = Live(processes, out, team_write(out, duration=60))
         rules = out / "c_2.clp"
         rules.write_text('(extends "red.clp")\n(deffacts f (launched well))\n' +
                          "".join(f"(defrule r{i} (never {i}) => (printout t \"{'x' * 200}\" crlf))\n"
