@@ -151,12 +151,13 @@ module_objs   = $(foreach m,$(1) $(USES_$(1)),$(call objs,$(m))) $(if $(filter b
                 $(if $(filter world,$(1) $(USES_$(1))),$(ARITHMETIC) $(CCD)) $(if $(filter sim,$(1)),$(ODE)) \
                 $(if $(filter mind,$(1) $(USES_$(1))),$(CLIPS_O)/libclips.a) $(if $(filter web,$(1)),$(ASSETS))
 
-PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot \
+PROGRAMS := $(addprefix $(O)/bin/,muster muster-broker muster-sim muster-robot muster-agent \
             muster-resolver muster-host muster-record muster-replay muster-web muster-monitor)
 MAIN_muster        := cli
 MAIN_muster-broker := broker
 MAIN_muster-sim    := sim
 MAIN_muster-robot  := agent
+MAIN_muster-agent  := agent
 MAIN_muster-resolver := resolver
 MAIN_muster-host   := host
 MAIN_muster-monitor := monitor

@@ -8,7 +8,7 @@ import re
 import subprocess
 
 # What computes what enters the hash, and the libraries that it computes with.
-PROGRAMS = ("muster", "muster-sim", "muster-robot", "muster-host", "muster-monitor")
+PROGRAMS = ("muster", "muster-sim", "muster-robot", "muster-agent", "muster-host", "muster-monitor")
 LIBRARIES = ("libode.so", "libccd.so")
 # The functions of <math.h> whose last bit is not prescribed.
 ELEMENTARY = re.compile(r"(a?(sin|cos|tan)h?|atan2|sincos|exp|exp2|exp10|pow10|expm1|log|log2|log10|log1p|pow|hypot|cbrt|erfc?|"

@@ -169,7 +169,7 @@ static struct mu_option own[] = {
 };
 enum { OWN = sizeof own / sizeof own[0] };
 
-/* One program has two names.  A robot is in standby anyway. */
+/* One program, in two files.  A robot is in standby anyway. */
 static struct mu_options program_robot = {
     .program = "muster robot",
     .usage = "NAME --rules FILE [OPTION...]",
@@ -183,11 +183,12 @@ static struct mu_options program_agent = {
     .table = own,
     .count = OWN};
 
-/* @return whether the program was called by its name for agents: agent, muster-agent */
+/* @return whether the program was called by its name for agents: agent, muster-agent, and what
+ * follows that where the file was renamed */
 static bool is_for_agents(const char *called)
 {
-    size_t len = strlen(called), agent = strlen("agent");
-    return len >= agent && strcmp(called + len - agent, "agent") == 0;
+    const char *slash = strrchr(called, '/');
+    return strstr(slash ? slash : called, "agent") != NULL;
 }
 
 mu_result options_read(const struct robot_options **out, int argc, char **argv)

@@ -52,13 +52,6 @@ static int record_verb(int argc, char **argv)
     return run_find(argv) ? program_become("muster-record", argv) : MU_EXIT_SEVERAL;
 }
 
-/* One program has the rules of robots, and those of agents that are none: by its own name. */
-static int agent_verb(int argc, char **argv)
-{
-    (void)argc;
-    return program_become("muster-robot", argv);
-}
-
 static int topics_verb(int argc, char **argv)
 {
     static struct mu_options o = {.program = "muster topics",
@@ -90,9 +83,9 @@ static const struct {
     {"move", post_verb},       {"clone", post_verb},
     {"dispose", post_verb},    {"group", group_verb},
     {"service", service_verb}, {"world", world_verb},
-    {"agent", agent_verb},     {"record", record_verb},
-    {"why", why_verb},         {"completion", completion_verb},
-    {"doctor", doctor_verb},   {"topics", topics_verb},
+    {"record", record_verb},   {"why", why_verb},
+    {"doctor", doctor_verb},   {"completion", completion_verb},
+    {"topics", topics_verb},
 };
 
 /* An answer that was not written is no answer.  @return the exit code */

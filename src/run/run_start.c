@@ -263,7 +263,8 @@ static mu_result crew_start(struct run *r, const struct experiment_crew *crew, s
         return controller_start(r, crew, again);
     }
     bool has_body = crew->robot < r->experiment->robots_count;
-    supervise_words(has_body ? "muster-robot" : "muster-agent");
+    const char *program = has_body ? "muster-robot" : "muster-agent";
+    supervise_words(program);
     supervise_word("%s", crew->name);
     if (robot->standby) {
         supervise_word("--standby");
@@ -293,7 +294,7 @@ static mu_result crew_start(struct run *r, const struct experiment_crew *crew, s
     if (again && robot->on_crash == EXPERIMENT_RESTART) {
         supervise_word("--restore");
     }
-    MU_TRY(child_start(r, again, robot->name, "muster-robot"));
+    MU_TRY(child_start(r, again, robot->name, program));
     struct child *child = again ? again : &r->children.children[r->children.count - 1];
     /* In free running a robot may move to a host, or be disposed of: its process ends.  In lock
      * step it goes on; started again, it finds that none of its robots is to come back. */

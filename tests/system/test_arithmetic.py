@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 import pytest
-from support import MUSTER, ROOT, check, check_equal, experiment_run, folder, muster
+from support import BIN, MUSTER, ROOT, check, check_equal, experiment_run, folder, muster
 
 # glibc's sine and cosine of a processor without fused multiplication, and beams without its vectors.
 OLDER = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-FMA_Usable,-AVX2,-AVX2_Usable,-AVX512F", "MUSTER_FAN": "sse2"}
@@ -32,6 +32,18 @@ def test_a_processor_without_fused_instructions_gives_the_same_hash(experiment):
                                   env={**os.environ, **more}, capture_output=True, text=True, timeout=120)
             check(done.returncode in (0, 1), done.stderr)
             hashes.add(json.loads((out / name / "summary.json").read_text())["hash"])
+        check_equal(len(hashes), 1, f"hashes: {hashes}")
+
+
+def test_programs_behind_scripts_give_the_same_hash():
+    """As an emulator has them: agents without a body are agents, whatever name their file has."""
+    with folder() as out:
+        subprocess.run([ROOT / "tools/emulate", BIN.parent, out / "other", "env"], check=True, timeout=60)
+        hashes = set()
+        for program in MUSTER, out / "other/bin/muster":
+            subprocess.run([program, "run", ROOT / "experiments/office.yaml", "--quiet", "--out", out / "run"],
+                           check=True, timeout=60)
+            hashes.add(json.loads((out / "run/summary.json").read_text())["hash"])
         check_equal(len(hashes), 1, f"hashes: {hashes}")
 
 

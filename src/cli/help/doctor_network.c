@@ -191,8 +191,8 @@ static bool process_is_left(const char *pid)
     if (from) {
         fclose(from);
     }
-    static const char *const kinds[] = {"muster-sim\n", "muster-robot\n", "muster-host\n",
-                                        "muster-resolver\n"};
+    static const char *const kinds[] = {"muster-sim\n", "muster-robot\n", "muster-agent\n",
+                                        "muster-host\n", "muster-resolver\n"};
     bool needs = false;
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
         needs = needs || strcmp(name, kinds[i]) == 0;
