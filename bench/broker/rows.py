@@ -92,6 +92,7 @@ def crowd(here):
                 found.update(prefixed(f"{prefix}_same", broker.load("ping", PINGS, 1)))
                 found.update(prefixed(f"{prefix}_of100", broker.load("ping", PINGS, CROWD)))
     with here.direct(CROWD) as nobody, nobody.crowd(CROWD) as those:
+        found["direct_ready_s"] = those.said["ready_s"]
         found.update(prefixed("direct_all", nobody.load("tell", CROWD, those.board)))
     return found
 
@@ -168,7 +169,23 @@ def bystanders(here):
                     note("deaf")
             with broker.beside("flood", "a1", 10000000, 16):
                 note("flood")
+        unfair(found, prefix, start)
     return found
+
+
+def unfair(found, prefix, start):
+    """A hundred: one is stopped, one takes nothing, one floods another; the rest are asked in turn."""
+    those = CROWD - 3
+    with start() as broker, broker.crowd(those + 1):
+        found[f"{prefix}_fair_us"] = broker.load("ping", PINGS, those)["p99_us"]
+        with broker.beside("deaf", "asleep", says=True) as asleep, broker.beside("deaf", "deaf", says=True):
+            os.kill(asleep.pid, signal.SIGSTOP)
+            try:
+                with broker.beside("pour", "asleep", POUR_S), broker.beside("pour", "deaf", POUR_S), \
+                        broker.beside("flood", f"a{those}", 10000000, 16):
+                    found[f"{prefix}_unfair_us"] = broker.load("ping", PINGS, those)["p99_us"]
+            finally:
+                os.kill(asleep.pid, signal.SIGKILL)
 
 
 # ms: pings and mails that take about a second
@@ -273,6 +290,8 @@ LINES = (
     Line("crowd", "round trip p50, each of 100 in turn", "us", "ours_of100_p50_us",
          "ours, among 1:", "ours_of1_p50_us"),
     Line("crowd", "100 processes started and reachable", "s", "ours_ready_s", most=0.6),
+    Line("crowd", "100 processes started and reachable", "s", "ours_ready_s", "no broker:",
+         "direct_ready_s", 1.5),
     Line("crowd", "broker's memory per process", "kB", "ours_process_kb", most=80),
     Line("names", "broker's memory, idle", "MB", "idle_mb", most=10),
     Line("names", "broker's memory per agent", "kB", "agent_kb", most=1, why=NO_NAMES),
@@ -301,6 +320,10 @@ LINES = (
          "ours_by_quiet_us", 2),
     Line("bystanders", "bystanders' p99, a flood", "us", "ours_by_flood_us",
          "mosquitto QoS 0, a flood:", "mqtt_by_flood_us"),
+    Line("bystanders", "each of 97, p99: 3 more stopped, deaf, flooding", "us", "ours_unfair_us",
+         "undisturbed:", "ours_fair_us", 2),
+    Line("bystanders", "each of 97, p99: 3 more stopped, deaf, flooding", "us", "ours_unfair_us",
+         MQ0, "mqtt_unfair_us"),
 )
 
 INTERVAL_HEAD = ["delivery interval", "median delay of a mail", "mails", "broker CPU per mail"]
