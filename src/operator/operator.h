@@ -284,8 +284,9 @@ enum { RUNS_NAME_MAX = 127 };
  * @param wanted  the domain, or -1 to pick a free one
  * @param name    of the experiment, for lists of runs
  * @param domain  out
- * @return MU_OK; MU_BUSY: another run has it, or there is none left; MU_FAULT_OS: there is no
- *         folder for the list, which is explained on standard error
+ * @return MU_OK; MU_EXISTS: another run has it; MU_BUSY: other programs have its DDS ports;
+ *         of -1, either: there is none left; MU_FAULT_OS: there is no folder for the list, which is
+ *         explained on standard error
  */
 MU_MUST_USE mu_result runs_take(int wanted, const char *name, int *domain);
 

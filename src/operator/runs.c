@@ -128,19 +128,19 @@ static void held_write(const char *format, ...)
     (void)written;
 }
 
-static bool domain_take(const char *folder, int domain, bool is_picked, const char *name)
+static mu_result domain_take(const char *folder, int domain, bool is_picked, const char *name)
 {
     int fd = lock_open(folder, domain, O_RDWR | O_CREAT);
-    if (fd < 0) {
-        return false;
-    }
-    if (flock(fd, LOCK_EX | LOCK_NB) != 0 || !ports_take(domain, is_picked)) {
-        close(fd);
-        return false;
+    bool locked = fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0;
+    if (!locked || !ports_take(domain, is_picked)) {
+        if (fd >= 0) {
+            close(fd);
+        }
+        return locked ? MU_BUSY : MU_EXISTS;
     }
     held = fd; /* it stays open: the lock lives as long as we do */
     held_write("%.100s\n", name);
-    return true;
+    return MU_OK;
 }
 
 mu_result runs_take(int wanted, const char *name, int *domain)
@@ -154,13 +154,14 @@ mu_result runs_take(int wanted, const char *name, int *domain)
     }
     int first = wanted >= 0 ? wanted : RUNS_DOMAIN_FIRST;
     int last = wanted >= 0 ? wanted : RUNS_DOMAIN_LAST;
-    for (int d = first; d <= last; d++) {
-        if (domain_take(folder, d, wanted < 0, name)) {
-            *domain = d;
-            return MU_OK;
+    mu_result taken = MU_BUSY;
+    for (*domain = first; *domain <= last; ++*domain) {
+        taken = domain_take(folder, *domain, wanted < 0, name);
+        if (taken == MU_OK) {
+            break;
         }
     }
-    return MU_BUSY;
+    return taken;
 }
 
 /* @return whether a run lives in this domain; name is filled with its experiment's */

@@ -594,15 +594,20 @@ static int live_through(struct run *r)
     return code;
 }
 
-static int domain_explain(int wanted)
+static int domain_explain(mu_result why, int wanted)
 {
-    if (wanted >= 0) {
+    if (wanted < 0) {
+        fputs("muster run: no DDS domain is free: too many runs live\n", stderr);
+    } else if (why == MU_EXISTS) {
         fprintf(stderr,
                 "muster run: another run has domain %d; without --domain and MUSTER_DOMAIN a free "
                 "one is found\n",
                 wanted);
     } else {
-        fputs("muster run: no DDS domain is free: too many runs live\n", stderr);
+        fprintf(stderr,
+                "muster run: other programs have the DDS ports of domain %d; start a DDS tool when "
+                "the run lives\n",
+                wanted);
     }
     return MU_EXIT_DDS;
 }
@@ -611,7 +616,7 @@ int run_live(struct run *r)
 {
     mu_result taken = runs_take((int)r->options.domain, r->experiment->name, &r->domain);
     if (taken != MU_OK) {
-        return taken == MU_FAULT_OS ? MU_EXIT_WRITE : domain_explain((int)r->options.domain);
+        return taken == MU_FAULT_OS ? MU_EXIT_WRITE : domain_explain(taken, (int)r->options.domain);
     }
     runs_note(r->experiment->name, r->folder);
     setenv(MU_NETWORK_WAIT, "1e9", 1); /* children end with us */

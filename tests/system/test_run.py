@@ -7,6 +7,7 @@ import pathlib
 import random
 import re
 import signal
+import socket
 import subprocess
 import time
 import xml.dom.minidom
@@ -76,6 +77,24 @@ def test_looking_at_a_run_does_not_change_it():
             muster("ps", "--domain", domain)
         summary = json.loads((out / "b/summary.json").read_text())
         check_equal(summary["hash"], alone, "the hash of the run that was looked at")
+
+
+def test_a_domain_that_is_taken_is_refused_by_what_has_it():
+    domain = new_domain()
+    words = ("run", FOLLOW, "--quiet", "--duration", "600", "--domain", domain)
+    with folder() as out, socket.socket(type=socket.SOCK_DGRAM) as tool, Processes() as processes:
+        tool.bind(("127.0.0.1", 7410 + 250 * domain))
+        done = muster(*words, "--out", out / "a")
+        check_equal((done.returncode, done.stderr), (
+            4, f"muster run: other programs have the DDS ports of domain {domain}; "
+            "start a DDS tool when the run lives\n"), "a program on DDS")
+        tool.close()
+        processes.start(MUSTER, *words, "--rate", "1", "--out", out / "b")
+        wait_for(lambda: muster("ps", "--domain", domain).returncode == 0, 20, "a run")
+        done = muster(*words, "--out", out / "c")
+        check_equal((done.returncode, done.stderr), (
+            4, f"muster run: another run has domain {domain}; "
+            "without --domain and MUSTER_DOMAIN a free one is found\n"), "another run")
 
 
 def test_a_broker_outlives_a_run():
