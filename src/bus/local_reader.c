@@ -56,7 +56,7 @@ void local_reader_open(struct bus_reader *r, dds_qos_t *qos)
 {
     struct local_token token;
     bool wanted = r->bus->local && topic_table[r->topic].local;
-    int fd = wanted ? local_listen(&token) : -1;
+    int fd = wanted ? local_listen(&token, r->bus->participant) : -1;
     if (fd < 0) {
         return; /* all comes by DDS */
     }

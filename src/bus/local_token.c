@@ -29,10 +29,10 @@ static socklen_t token_address(const struct local_token *token, struct sockaddr_
     return (socklen_t)(offsetof(struct sockaddr_un, sun_path) + 1 + sizeof *token);
 }
 
-int local_listen(struct local_token *token)
+int local_listen(struct local_token *token, dds_entity_t participant)
 {
     struct sockaddr_un address;
-    if (!token_draw(token)) {
+    if (dds_get_guid(participant, &token->owner) != DDS_RETCODE_OK || !token_draw(token)) {
         return -1;
     }
     socklen_t len = token_address(token, &address);
@@ -58,17 +58,17 @@ int local_connect(const struct local_token *token, int room)
     return fd;
 }
 
-bool local_token_find(const dds_qos_t *qos, struct local_token *token)
+bool local_token_find(const dds_builtintopic_endpoint_t *reader, struct local_token *token)
 {
     void *data = NULL;
     size_t size = 0;
-    bool found = qos && dds_qget_userdata(qos, &data, &size) && size == sizeof *token &&
-                 memcmp(data, token_mark, sizeof token_mark) == 0;
+    bool found = reader->qos && dds_qget_userdata(reader->qos, &data, &size) &&
+                 size == sizeof *token && memcmp(data, token_mark, sizeof token_mark) == 0;
     if (found) {
         memcpy(token, data, sizeof *token);
     }
     dds_free(data);
-    return found;
+    return found && memcmp(&token->owner, &reader->participant_key, sizeof token->owner) == 0;
 }
 
 bool local_is_ours(int fd)

@@ -68,7 +68,7 @@ static bool token_find(const struct bus *bus, const dds_builtintopic_endpoint_t 
     dds_guid_t own;
     return dds_get_guid(bus->participant, &own) == DDS_RETCODE_OK &&
            memcmp(&own, &reader->participant_key, sizeof own) != 0 &&
-           local_token_find(reader->qos, token);
+           local_token_find(reader, token);
 }
 
 /* A reader without a socket, of another host or another user stays with DDS. */

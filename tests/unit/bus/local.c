@@ -7,6 +7,7 @@
 #include "bus/bus.h"
 #include "bus/local_frame.h"
 #include "bus/local_token.h"
+#include "bus/topics.h"
 #include "core/clock.h"
 #include "hush.h"
 #include "muster/limits.h"
@@ -301,6 +302,50 @@ static void test_who_has_no_socket_gets_all_by_dds_and_nobody_twice(void)
     scene_end(&s);
 }
 
+static uint32_t samples_of(dds_entity_t reader)
+{
+    void *sample[1] = {NULL};
+    dds_sample_info_t info;
+    uint32_t count = 0;
+    uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
+    while (count < 100 && mu_clock_ns() < until_ns) {
+        if (dds_take(reader, sample, &info, 1, 1) == 1) {
+            count += info.valid_data;
+            dds_return_loan(reader, sample, 1);
+        } else {
+            bus_wait(&bus, 1, WAIT_NS);
+        }
+    }
+    return count;
+}
+
+/* As `cyclonedds subscribe` does it. */
+static void test_a_tool_that_copies_a_reader_s_qos_gets_all_by_dds(void)
+{
+    struct side s = scene_begin(&plain, 1);
+    dds_instance_handle_t other = 0;
+    dds_entity_t tool = dds_create_participant((dds_domainid_t)next_domain, NULL, NULL);
+    CU_ASSERT_EQUAL_FATAL(dds_get_matched_subscriptions(writer.writer, &other, 1), 1);
+    dds_builtintopic_endpoint_t *about = dds_get_matched_subscription_data(writer.writer, other);
+    dds_entity_t topic =
+        dds_create_topic(tool, &muster_Delivery_desc, topic_table[BUS_DELIVERY].name, NULL, NULL);
+    dds_entity_t subscriber = dds_create_subscriber(tool, about->qos, NULL);
+    dds_entity_t reader = dds_create_reader(subscriber, topic, about->qos, NULL);
+    dds_builtintopic_free_endpoint(about);
+    CU_ASSERT_TRUE_FATAL(reader > 0);
+    uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
+    while (bus_writer_matches(&writer) < 2 && mu_clock_ns() < until_ns) {
+        bus_wait(&bus, 1, WAIT_NS);
+    }
+    steps_write(1, 100, 1);
+    expect_ways(1, 1);
+    expect_steps(&s, 1, 100);
+    CU_ASSERT_EQUAL(samples_of(reader), 100);
+    expect_no_word(&s);
+    dds_delete(tool);
+    scene_end(&s);
+}
+
 static void test_off_is_dds_alone(void)
 {
     struct scene off = {.local = "off", .topic = BUS_DELIVERY};
@@ -404,7 +449,7 @@ static int stranger_connect(bool hello)
     struct local_token token;
     CU_ASSERT_EQUAL_FATAL(dds_get_matched_subscriptions(writer.writer, &reader, 1), 1);
     dds_builtintopic_endpoint_t *about = dds_get_matched_subscription_data(writer.writer, reader);
-    CU_ASSERT_TRUE_FATAL(local_token_find(about->qos, &token));
+    CU_ASSERT_TRUE_FATAL(local_token_find(about, &token));
     dds_builtintopic_free_endpoint(about);
     int fd = local_connect(&token, 65536);
     CU_ASSERT_TRUE_FATAL(fd >= 0);
@@ -549,6 +594,7 @@ int main(void)
     CU_TestInfo tests[] = {
         {"samples of any size", test_samples_of_any_size_come_whole_and_in_order},
         {"tools beside", test_who_has_no_socket_gets_all_by_dds_and_nobody_twice},
+        {"a tool's copy", test_a_tool_that_copies_a_reader_s_qos_gets_all_by_dds},
         {"off", test_off_is_dds_alone},
         {"back pressure", test_who_does_not_read_makes_the_writer_wait},
         {"killed", test_who_is_killed_leaves_no_half_sample},
