@@ -76,17 +76,20 @@ def test_dds_tools_list_and_decode_the_topics():
             typeof = tool_run("typeof", topic, *options)
             words = re.sub(r"\s+", " ", typeof).replace("muster::", "")
             check(member.replace("muster::", "") in words, f"typeof {topic}: {typeof}")
-        subscribe = processes.start(*tool, "subscribe", "Pages", *options,
-                                    stdout=subprocess.PIPE, env=observer_environment())
-        seen = b""
-        os.set_blocking(subscribe.stdout.fileno(), False)
+        for topic, wanted in ("Pages", b"'red robot "), ("Up", b"acks=[Ack(box='red'"):
+            subscribe = processes.start(*tool, "subscribe", topic, *options, stdin=subprocess.PIPE,
+                                        stdout=subprocess.PIPE, env=observer_environment())
+            subscribe.stdin.write(b"0\n")  # where a topic has several qualities of service, it asks
+            subscribe.stdin.flush()
+            os.set_blocking(subscribe.stdout.fileno(), False)
+            seen = bytearray()
 
-        def decoded():
-            nonlocal seen
-            seen += subscribe.stdout.read() or b""
-            return b"'red robot " in seen
+            def decoded():
+                seen.extend(subscribe.stdout.read() or b"")
+                muster("send", "red", "hello", "--domain", domain)
+                return wanted in seen
 
-        wait_for(decoded, 20, "the line of red, decoded by cyclonedds subscribe")
+            wait_for(decoded, 20, f"what red says on {topic}, decoded by cyclonedds subscribe")
 
 
 def test_a_tool_sees_every_sample_and_changes_nothing():
