@@ -20,7 +20,7 @@ static bool is_space(char c)
 /* @return whether a character belongs to a word of a list of fields; most do by their number */
 static bool is_of_field(char c)
 {
-    return c > ')' || c < '\0' || (c && !is_space(c) && c != '(' && c != ')' && c != '"');
+    return (unsigned char)c > ')' || (c && !is_space(c) && c != '(' && c != ')' && c != '"');
 }
 
 /* Characters that end a word in CLIPS. */
