@@ -17,7 +17,8 @@ struct wait {
     struct operator_options options;
     const char *const *names;
     size_t names_count;
-    bool broker, run;
+    const char *broker; /* "": any; NULL: none is waited for */
+    bool run;
     int64_t hosts;
     const char *service;
     double timeout_s;
@@ -31,7 +32,8 @@ static struct wait wait;
 
 static struct mu_option wait_table[] = {
     MU_NETWORK_OPTIONS(wait.options.network),
-    MU_FLAG("broker", wait.broker, "until a broker answers"),
+    MU_STRING("broker", "[NAME]", wait.broker, "until a broker answers, or that of this name",
+              .alone = ""),
     MU_INTEGER("hosts", "N", wait.hosts, "until so many hosts are there", .min = 0,
                .max = MU_PROCESSES_MAX),
     MU_FLAG("run", wait.run, "until a run has begun its steps"),
@@ -174,6 +176,8 @@ int wait_verb(int argc, char **argv)
     uint64_t now_ns = mu_clock_ns();
     double left_s = now_ns < wait.until_ns ? (double)(wait.until_ns - now_ns) * 1e-9 : 0;
     wait.options.network.wait_broker_s = left_s > 0.001 ? left_s : 0.001;
+    wait.options.network.wait_option = "timeout";
+    wait.options.network.broker = wait.broker && wait.broker[0] ? wait.broker : NULL;
     wait.options.only_reads = true;
     code = operator_join(&wait.op, &wait.options, "wait");
     if (code == MU_EXIT_DDS) {

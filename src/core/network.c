@@ -45,7 +45,9 @@ void mu_network_waits(const struct mu_network *network, const char *program, int
 void mu_network_missed(const struct mu_network *network, const char *program, int domain)
 {
     fprintf(stderr,
-            "%s: no broker answers in domain %d within %g s (--wait-broker S waits longer); start "
-            "one with: muster broker %s --domain %d\n",
-            program, domain, wait_s(network), network->broker ? network->broker : "NAME", domain);
+            "%s: no broker%s%s answers in domain %d within %g s (--%s S waits longer); start one "
+            "with: muster broker %s --domain %d\n",
+            program, network->broker ? " named " : "", network->broker ? network->broker : "",
+            domain, wait_s(network), network->wait_option ? network->wait_option : "wait-broker",
+            network->broker ? network->broker : "NAME", domain);
 }

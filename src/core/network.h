@@ -16,6 +16,7 @@ struct mu_network {
     struct mu_option_list peers; /* none: brokers and simulator are on this host */
     const char *broker;          /* the one to begin with; NULL: the nearest */
     double wait_broker_s;        /* for one that answers; 0: the default */
+    const char *wait_option;     /* that says so; NULL: wait-broker */
 };
 
 /* Rows for a table of options; network is a struct mu_network that outlives the parsing. */

@@ -90,13 +90,15 @@ static mu_result options_take_value(struct options_reader *r, struct mu_option *
     if (option->kind == MU_OPTION_FLAG) {
         return options_take(r, option, value ? value : "yes");
     }
-    if (!value) {
-        if (r->at >= r->argc) {
-            fprintf(stderr, "%s: --%s needs a value: --%s %s\n", r->options->program, option->name,
-                    option->name, option->unit ? option->unit : "VALUE");
-            return options_wrong(r->options);
-        }
+    bool follows = r->at < r->argc && !(option->alone && r->argv[r->at][0] == '-');
+    if (!value && follows) {
         value = r->argv[r->at++];
+    }
+    value = value ? value : option->alone;
+    if (!value) {
+        fprintf(stderr, "%s: --%s needs a value: --%s %s\n", r->options->program, option->name,
+                option->name, option->unit ? option->unit : "VALUE");
+        return options_wrong(r->options);
     }
     return options_take(r, option, value);
 }

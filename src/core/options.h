@@ -57,6 +57,8 @@ struct mu_option {
 
     enum mu_option_source source;        /* set by mu_options_parse */
     char place[MU_OPTION_PLACE_MAX + 1]; /* "MUSTER_RATE", "/home/a/config:3"; else "" */
+
+    const char *alone; /* its value when none follows; NULL: one has to */
 };
 
 /*

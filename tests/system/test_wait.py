@@ -14,6 +14,7 @@ def test_wait_returns_when_all_are_there():
                                   domain)
         broker_start(processes, domain, "--store", "none")
         check_equal(muster("wait", "--broker", "--domain", domain).returncode, 0, "a broker")
+        check_equal(muster("wait", "--broker", "main", "--domain", domain).returncode, 0, "main")
         processes.start(MUSTER, "host", "north", "--domain", domain)
         check_equal(muster("wait", "--hosts", 1, "--domain", domain).returncode, 0, "a host")
         done = muster("wait", "red", "--hosts", 2, "--timeout", "0.3", "--domain", domain)
@@ -50,7 +51,8 @@ def test_wait_for_a_service():
 
 
 def test_wait_ends_without_anybody():
-    for words, missing in ((("--broker",), "no broker answers"), (("red",), "no broker answers")):
+    for words, missing in ((("--broker",), "no broker answers"), (("red",), "no broker answers"),
+                           (("--broker", "west"), "no broker named west answers")):
         done = muster("wait", *words, "--timeout", "0.2", "--domain", new_domain())
         check_equal(done.returncode, 124, done.stderr)
         check(missing in done.stderr, done.stderr)

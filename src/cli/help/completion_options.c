@@ -48,7 +48,7 @@ static const char *value_kind(const char *name, const char *unit)
     } kinds[] = {
         {"rules", "FILE", "rules"},   {"world", "FILE", "world"}, {NULL, "FILE", "file"},
         {NULL, "DIR", "folder"},      {NULL, "D", "run"},         {"as", "NAME", "agent"},
-        {"broker", "NAME", "broker"}, {NULL, "G", "group"},
+        {"broker", "NAME", "broker"}, {NULL, "G", "group"},       {"broker", "[NAME]", "broker"},
     };
     if (unit[0] == '\0' || strchr(unit, '|')) {
         return unit;

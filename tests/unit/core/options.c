@@ -15,13 +15,18 @@ static const char *out;
 static int64_t seed;
 static double rate;
 static struct mu_option_list set;
+static const char *broker;
 
 static struct mu_option table[] = {
-    {"quiet", 'q', MU_OPTION_FLAG, NULL, "no", "MUSTER_QUIET", "no progress", &quiet, 0, 0, 0, ""},
-    {"out", 'o', MU_OPTION_STRING, "DIR", "out", "MUSTER_OUT", "where", &out, 0, 0, 0, ""},
-    {"seed", 's', MU_OPTION_INTEGER, "N", "1", "MUSTER_SEED", "seed", &seed, 0, 1000, 0, ""},
-    {"rate", 0, MU_OPTION_REAL, "R", "0", "MUSTER_RATE", "pace", &rate, 0, 0, 0, ""},
-    {"set", 0, MU_OPTION_LIST, "K=V", NULL, "MUSTER_SET", "override", &set, 0, 0, 0, ""},
+    MU_FLAG("quiet", quiet, "no progress", .letter = 'q', .fallback = "no",
+            .environment = "MUSTER_QUIET"),
+    MU_STRING("out", "DIR", out, "where", .letter = 'o', .fallback = "out",
+              .environment = "MUSTER_OUT"),
+    MU_INTEGER("seed", "N", seed, "seed", .letter = 's', .fallback = "1",
+               .environment = "MUSTER_SEED", .max = 1000),
+    MU_REAL("rate", "R", rate, "pace", .fallback = "0", .environment = "MUSTER_RATE"),
+    MU_LIST("set", "K=V", set, "override", .environment = "MUSTER_SET"),
+    MU_STRING("broker", "[NAME]", broker, "which", .fallback = "no", .alone = ""),
 };
 
 static struct mu_options options = {.program = "muster run",
@@ -114,6 +119,14 @@ static void test_flags_and_words_in_any_order(void)
     CU_ASSERT_STRING_EQUAL(options.words[2], "-4");
     CU_ASSERT_STRING_EQUAL(options.words[4], "--seed");
     CU_ASSERT_EQUAL(mu_options_find(&options, "seed")->source, MU_OPTION_COMMAND_LINE);
+    CU_ASSERT_STRING_EQUAL(broker, "no");
+    CU_ASSERT_EQUAL(parse("--broker b a --broker"), MU_OK);
+    CU_ASSERT_STRING_EQUAL(broker, "");
+    CU_ASSERT_EQUAL(options.words_count, 1);
+    CU_ASSERT_EQUAL(parse("--broker -q"), MU_OK);
+    CU_ASSERT_STRING_EQUAL(broker, "");
+    CU_ASSERT_EQUAL(parse("a --broker b"), MU_OK);
+    CU_ASSERT_STRING_EQUAL(broker, "b");
     CU_ASSERT_EQUAL(parse("--quiet --no-quiet"), MU_OK);
     CU_ASSERT_FALSE(quiet);
 }
