@@ -23,9 +23,9 @@ static struct mu_option option_table[] = {
     MU_STRING("by", "KEY", chosen.by,
               "group runs by what --set gave this key, whatever it gave others (default: by all "
               "that was run but the seed)"),
-    MU_LIST("statistic", "NAME", chosen.statistics,
-            "what to compare, as in summary.json: red.distance_m, mail.sent; robots.distance_m is "
-            "the mean over the robots (default: a dozen that suit any team)"),
+    MU_NAMES("statistic", "NAME", chosen.statistics,
+             "what to compare, as in summary.json: red.distance_m,mail.sent; robots.distance_m is "
+             "the mean over the robots (default: a dozen that suit any team)"),
     MU_STRING("out", "FILE", chosen.page, "the page with the plots", .fallback = "compare.html"),
     MU_FLAG("json", chosen.json, "one object per line, and no page"),
 };

@@ -29,9 +29,9 @@ struct mu_network {
         MU_STRING("local", "on|off", (network).local,                                         \
                   "sockets beside DDS between processes of one host (default: on)",           \
                   .environment = "MUSTER_LOCAL"),                                             \
-        MU_LIST("peer", "HOST", (network).peers,                                              \
-                "host of brokers and simulator, when it is another; may stand several times", \
-                .environment = "MUSTER_PEER")
+        MU_NAMES("peer", "HOST", (network).peers,                                             \
+                 "host of brokers and simulator, when another; or several, with commas",      \
+                 .environment = "MUSTER_PEER")
 
 /* The same for programs whose agents live with a broker. */
 #define MU_JOIN_OPTIONS(network)                                                                 \

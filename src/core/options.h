@@ -38,7 +38,7 @@ enum mu_option_source {
     MU_OPTION_COMMAND_LINE
 };
 
-/* Elsewhere than on the command line, a list is one line with commas. */
+/* Elsewhere than on the command line, a list is one line with commas; one of names there, too. */
 struct mu_option_list {
     const char *items[MU_OPTION_LIST_MAX];
     size_t count;
@@ -59,6 +59,7 @@ struct mu_option {
     char place[MU_OPTION_PLACE_MAX + 1]; /* "MUSTER_RATE", "/home/a/config:3"; else "" */
 
     const char *alone; /* its value when none follows; NULL: one has to */
+    bool commas;       /* of a list: one may stand between commas on the command line, too */
 };
 
 /*
@@ -75,6 +76,8 @@ struct mu_option {
 #define MU_REAL(word, value, number, ...) MU_OPTION_(REAL, double, word, value, number, __VA_ARGS__)
 #define MU_LIST(word, value, list, ...) \
     MU_OPTION_(LIST, struct mu_option_list, word, value, list, __VA_ARGS__)
+
+#define MU_NAMES(word, value, list, ...) MU_LIST(word, value, list, __VA_ARGS__, .commas = true)
 
 /* The condition never chooses NULL: it refuses a target of another type. */
 #define MU_OPTION_(of, type, word, value, variable, ...)                 \
@@ -130,8 +133,8 @@ enum { MU_OPTION_WHY_MAX = 128 };
 /**
  * Puts a value into an option's target.  Strings are not copied.
  *
- * The source must be set before: a list on the command line takes one item a call; any other
- * source gives the whole list, with commas.
+ * The source must be set before: a call adds to a list on the command line, one item or, of names,
+ * those between commas; any other source gives the whole list, with commas.
  *
  * @param why  the expected value, when the answer is false
  */

@@ -97,19 +97,36 @@ static bool option_add_item(struct mu_option_list *list, const char *item,
     return true;
 }
 
+/* Cuts comment and blanks at both ends; a # inside a word stays. */
+static char *config_trim(char *line)
+{
+    line += strspn(line, " \t\r\n");
+    for (char *c = line; *c; c++) {
+        if (*c == '#' && (c == line || isspace((unsigned char)c[-1]))) {
+            *c = '\0';
+            break;
+        }
+    }
+    size_t len = strlen(line);
+    while (len > 0 && isspace((unsigned char)line[len - 1])) {
+        line[--len] = '\0';
+    }
+    return line;
+}
+
 static bool option_set_list(struct mu_option *option, const char *value,
                             char why[MU_OPTION_WHY_MAX])
 {
     struct mu_option_list *list = option->target;
-    if (option->source == MU_OPTION_COMMAND_LINE) {
+    bool typed = option->source == MU_OPTION_COMMAND_LINE;
+    if (typed && !option->commas) {
         return option_add_item(list, value, why);
     }
-    list->count = 0;
+    list->count = typed ? list->count : 0;
     char *rest = mu_startup_string(value);
     for (char *item; (item = strsep(&rest, ",")) != NULL;) {
-        item += strspn(item, " \t");
-        item[strcspn(item, " \t")] = '\0';
-        if (item[0] && !option_add_item(list, item, why)) {
+        item = config_trim(item);
+        if ((item[0] || typed) && !option_add_item(list, item, why)) {
             return false;
         }
     }
@@ -135,23 +152,6 @@ struct mu_option *mu_options_find(const struct mu_options *options, const char *
         }
     }
     return NULL;
-}
-
-/* Cuts comment and blanks at both ends; a # inside a word stays. */
-static char *config_trim(char *line)
-{
-    line += strspn(line, " \t\r\n");
-    for (char *c = line; *c; c++) {
-        if (*c == '#' && (c == line || isspace((unsigned char)c[-1]))) {
-            *c = '\0';
-            break;
-        }
-    }
-    size_t len = strlen(line);
-    while (len > 0 && isspace((unsigned char)line[len - 1])) {
-        line[--len] = '\0';
-    }
-    return line;
 }
 
 /* Takes one trimmed, non-empty line. */

@@ -10,8 +10,8 @@ static struct host_options options;
 static struct mu_option own[] = {
     MU_INTEGER("agents", "N", options.agents, "room for so many agents", .fallback = "16", .min = 1,
                .max = 256),
-    MU_LIST("take", "PATTERN", options.take,
-            "take in agents of such names alone, for example 'w_*'; may stand several times"),
+    MU_NAMES("take", "PATTERN", options.take,
+             "take in agents of such names alone, for example 'w_*,red'"),
     MU_INTEGER("bytes", "N", options.bytes, "take in capsules of at most so many bytes",
                .fallback = "1000000", .min = 1000, .max = 1000000),
     MU_LIST("robot", "NAME=FILE", options.natives,

@@ -34,9 +34,9 @@ static struct mu_option option_table[] = {
     MU_NETWORK_OPTIONS(set.network),
     MU_REAL("rate", "R", set.rate, "times the recording's own time; 0: as fast as readers take it",
             .fallback = "1", .environment = "MUSTER_RATE", .max = 1e6),
-    MU_LIST("topics", "TOPIC", set.topics,
-            "only these, or all (default: those that are for observers of a run, and those of "
-            "other programs)"),
+    MU_NAMES("topics", "TOPIC", set.topics,
+             "only these, with commas, or all (default: those that are for observers of a run, and "
+             "those of other programs)"),
     MU_REAL("from", "S", set.from_s, "begin so many seconds after the first message",
             .fallback = "0", .max = 1e9),
     MU_REAL("to", "S", set.to_s, "end so many seconds after the first message; 0: at the last",

@@ -76,10 +76,12 @@ static struct mu_option option_table[] = {
     MU_STRING("events", "FILE", set.events, "record here when each --event comes true"),
     MU_LIST("event", "CONDITION", set.conditions,
             "such as 'red stalled', 'red near blue 0.5', 'red told hello'"),
-    MU_LIST("robots", "NAME", set.robots,
-            "a robot that has a controller; may stand several times (default: all)"),
-    MU_LIST("agents", "NAME", set.agents,
-            "an agent without a body that is part of the run; the first step waits for it"),
+    MU_NAMES("robots", "NAME", set.robots,
+             "robots that have a controller, with commas (default: all)"),
+    MU_NAMES(
+        "agents", "NAME", set.agents,
+        "agents without a body that are part of the run, with commas; the first step waits for "
+        "them"),
     MU_LIST("place", "'NAME BODY X Y DEG COLOR'", set.places,
             "put a robot into the world, or elsewhere; - for what the world says"),
     MU_STRING("restore", "FILE", set.restore,

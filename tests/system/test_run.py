@@ -124,7 +124,7 @@ def test_free_running_survives_a_robot():
 
         red = robot("red")
         robot("blue")
-        processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots", "red", "--robots", "blue",
+        processes.start(MUSTER, "sim", ROOT / "worlds/arena.world", "--robots", "red,blue",
                         "--free", "--domain", domain)
 
         def place_of(name):

@@ -15,6 +15,7 @@ static const char *out;
 static int64_t seed;
 static double rate;
 static struct mu_option_list set;
+static struct mu_option_list robots;
 static const char *broker;
 
 static struct mu_option table[] = {
@@ -26,6 +27,7 @@ static struct mu_option table[] = {
                .environment = "MUSTER_SEED", .max = 1000),
     MU_REAL("rate", "R", rate, "pace", .fallback = "0", .environment = "MUSTER_RATE"),
     MU_LIST("set", "K=V", set, "override", .environment = "MUSTER_SET"),
+    MU_NAMES("robots", "NAME", robots, "who"),
     MU_STRING("broker", "[NAME]", broker, "which", .fallback = "no", .alone = ""),
 };
 
@@ -127,6 +129,11 @@ static void test_flags_and_words_in_any_order(void)
     CU_ASSERT_STRING_EQUAL(broker, "");
     CU_ASSERT_EQUAL(parse("a --broker b"), MU_OK);
     CU_ASSERT_STRING_EQUAL(broker, "b");
+    CU_ASSERT_EQUAL(parse("--robots a,b --robots=c --set a,b"), MU_OK);
+    CU_ASSERT_EQUAL(set.count, 1);
+    CU_ASSERT_EQUAL(robots.count, 3);
+    CU_ASSERT_STRING_EQUAL(robots.items[1], "b");
+    CU_ASSERT_STRING_EQUAL(robots.items[2], "c");
     CU_ASSERT_EQUAL(parse("--quiet --no-quiet"), MU_OK);
     CU_ASSERT_FALSE(quiet);
 }
