@@ -120,7 +120,7 @@ int launch_verb(int argc, char **argv)
     struct mu_option table[] = {
         OPERATOR_OPTIONS(l.options),
         MU_STRING("rules", "FILE", l.rules,
-                  "the agent's behaviour, a CLIPS file; it may extend files of the library",
+                  "the agent's behaviour, a CLIPS file; files beside it that it extends go along",
                   .letter = 'r'),
         MU_INTEGER("seed", "N", l.seed, "seed of (random), together with the name",
                    .fallback = "1"),

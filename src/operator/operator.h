@@ -591,7 +591,8 @@ enum { LAUNCH_RULES_MAX = 512 * 1024, LAUNCH_HEAD_MAX = 8 * 1024 };
 /** Begins the text, in memory that lives as long as the process.  @param start  it runs at once */
 struct mu_text *launch_text_begin(const char *name, bool start, int64_t seed);
 
-/** Adds the rules of a file.  @return MU_OK; MU_FAULT_FILE: what is wrong is said */
+/** Adds the rules of a file, and of those that it extends and that lie beside it.  @return MU_OK;
+ * MU_FAULT_FILE: what is wrong is said */
 MU_MUST_USE mu_result launch_text_rules(struct mu_text *out, const char *file);
 
 #endif

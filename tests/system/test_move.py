@@ -218,6 +218,22 @@ def test_launch():
             wrong = t.muster("launch", "pink", "south", "--rules", path, *words)
             check(wrong.returncode in (2, 8) and why in wrong.stdout + wrong.stderr,
                   f"{words}: {wrong.stdout} {wrong.stderr}")
+        (t.out / "beside.clp").write_text('(defglobal ?*place* = 1) ; the place')
+        (t.out / "between.clp").write_text('(extends "beside.clp")')
+        path.write_text('; (extends "none.clp") "\n(extends\n "between.clp")(extends "follower.clp")'
+                        '(deffacts f "(extends \\"none.clp\\")" (place ?*place*))')
+        t.done("launch", "pink", "north", "--rules", path, "--quiet")
+        check("(place 1)" in t.ask("pink", "(facts)"), "a fact of two files")
+        check("(goal stay)" in t.ask("pink", "(facts)"), "a fact of the library's")
+        t.done("dispose", "pink")
+        (t.out / "beside.clp").write_text('(extends "between.clp")')
+        wrong = t.muster("launch", "pink", "north", "--rules", path)
+        check_equal((wrong.returncode, "more than 16 files deep" in wrong.stderr), (3, True),
+                    wrong.stderr)
+        path.write_text("; " + "x" * 500000 + "\n" + '(extends "big2.clp")' * 4)
+        (t.out / "big2.clp").write_text("; " + "x" * 10000)
+        wrong = t.muster("launch", "pink", "north", "--rules", path)
+        check_equal((wrong.returncode, "at most 512 KiB" in wrong.stderr), (3, True), wrong.stderr)
         path.write_text("(defrule broken (a) => (nonsense))")
         wrong = t.muster("launch", "green", "south", "--rules", path)
         check(wrong.returncode == 8 and "nonsense" in wrong.stdout + wrong.stderr,
