@@ -197,7 +197,7 @@ int operator_join(struct operator* o, const struct operator_options *options, co
     char program[64];
     snprintf(program, sizeof program, "muster %s", verb);
     if (join_await(o->process, &options->network, program, domain) != MU_OK) {
-        runs_tell_last(program);
+        runs_tell_last(program, (int)options->network.domain);
         return MU_EXIT_DDS;
     }
     pages_await(o->process);

@@ -304,8 +304,9 @@ void runs_note(const char *name, const char *folder);
 /** @return whether the run in a domain, or the last one there, has noted its report's folder */
 bool runs_folder_of(int domain, char *folder, size_t size);
 
-/** Says on standard error that a run of this user has just ended, or how to start one. */
-void runs_tell_last(const char *program);
+/** Says on standard error which runs of this user live, else that one has just ended, or how to
+ * start one.  @param domain  where it was; -1: anywhere */
+void runs_tell_last(const char *program, int domain);
 
 /**
  * Finds the next live run of this user.

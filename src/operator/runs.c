@@ -215,12 +215,17 @@ bool runs_folder_of(int domain, char *folder, size_t size)
     return note_read(domain, name, sizeof name, folder, size) != 0;
 }
 
-void runs_tell_last(const char *program)
+void runs_tell_last(const char *program, int domain)
 {
     char name[128], report[PATH_MAX];
-    int last = -1;
+    int last = -1, lives;
     time_t last_s = time(NULL) - RUNS_RECENT_S;
-    for (int d = 0; d <= MU_DOMAIN_MAX; d++) {
+    if (runs_list(NULL, &lives) > 0) {
+        fprintf(stderr, "%s: runs that live:\n", program);
+        (void)runs_list(stderr, &lives);
+        return;
+    }
+    for (int d = domain < 0 ? 0 : domain; d <= (domain < 0 ? MU_DOMAIN_MAX : domain); d++) {
         time_t at_s = note_read(d, name, sizeof name, report, sizeof report);
         last = at_s > last_s ? d : last;
         last_s = at_s > last_s ? at_s : last_s;

@@ -81,12 +81,17 @@ def test_runs_that_live_and_have_ended():
                               "--domain", domain, env=env)
         wait_for(lambda: f"--domain {domain}  follow" in muster(env=env).stdout, 20, "a line of it")
         check("muster ps" in muster(env=env).stdout, "what to try")
+        other = ("--domain", new_domain())
+        done = muster("ps", *other, "--wait-broker", "0.2", env=env)
+        check(f"runs that live:\n  --domain {domain}  follow\n" in done.stderr, done.stderr)
         run.terminate()
         run.wait(30)
         check(f"--domain {domain} " not in muster(env=env).stdout, "it lives no more")
-        done = muster("ps", "--domain", domain, "--wait-broker", "0.2", env=env)
-        check_equal(done.returncode, 4, done.stderr)
-        check("the run follow ended " in done.stderr and str(out / "r") in done.stderr, done.stderr)
+        for words, has in ((("--domain", domain), True), ((), True), (other, False)):
+            done = muster("ps", *words, "--wait-broker", "0.2", env=env)
+            check_equal(done.returncode, 4, done.stderr)
+            check_equal(("the run follow ended " in done.stderr, str(out / "r") in done.stderr),
+                        (has, has), done.stderr)
 
 
 def test_who_asks_for_one_of_several_runs_says_which():
