@@ -60,7 +60,8 @@ static struct mu_option option_table[] = {
     MU_FLAG("no-spread", chosen.no_spread,
             "let the system move processes between processors; as fast as possible, each "
             "stays on one"),
-    MU_FLAG("quiet", chosen.quiet, "say only what came out", .letter = 'q'),
+    MU_FLAG("quiet", chosen.quiet, "say only what came out, without a line for each agent",
+            .letter = 'q'),
     MU_FLAG("json", chosen.json, "say it as one line of JSON"),
 };
 

@@ -53,6 +53,60 @@ static void undone_gather(struct run *r, struct report_input *in)
     in->undone_count = r->undone_count;
 }
 
+/* Each has its row, as long as they fit a screen; else they have one together. */
+enum { ROWS_MAX = 24 };
+
+static void robot_print(const char *name, const struct report_robot *robot,
+                        const struct report_robot_result *result)
+{
+    printf("  %-12s %7.2f m  %3u stalls  %6" PRIu64 " mails sent  %6" PRIu64 " received\n", name,
+           result->distance_m, result->stalls, robot->mail_sent, robot->mail_received);
+}
+
+static void robots_print(const struct report_input *in, const struct report_result *out)
+{
+    char name[32];
+    struct report_robot all = {.name = name};
+    struct report_robot_result sum = {0};
+    for (size_t i = 0; i < in->robots_count; i++) {
+        if (in->robots_count <= ROWS_MAX) {
+            robot_print(in->robots[i].name, &in->robots[i], &out->robots[i]);
+        }
+        all.mail_sent += in->robots[i].mail_sent;
+        all.mail_received += in->robots[i].mail_received;
+        sum.distance_m += out->robots[i].distance_m;
+        sum.stalls += out->robots[i].stalls;
+    }
+    if (in->robots_count > ROWS_MAX) {
+        snprintf(name, sizeof name, "%zu robots", in->robots_count);
+        robot_print(name, &all, &sum);
+    }
+}
+
+static void agent_print(const char *name, const struct report_robot *agent)
+{
+    printf("  %-12s %7" PRIu64 " rule firings  %6" PRIu64 " mails sent  %6" PRIu64 " received\n",
+           name, agent->rule_firings, agent->mail_sent, agent->mail_received);
+}
+
+static void agents_print(const struct report_input *in)
+{
+    char name[32];
+    struct report_robot all = {.name = name};
+    for (size_t i = 0; i < in->agents_count; i++) {
+        if (in->agents_count <= ROWS_MAX) {
+            agent_print(in->agents[i].name, &in->agents[i]);
+        }
+        all.rule_firings += in->agents[i].rule_firings;
+        all.mail_sent += in->agents[i].mail_sent;
+        all.mail_received += in->agents[i].mail_received;
+    }
+    if (in->agents_count > ROWS_MAX) {
+        snprintf(name, sizeof name, "%zu agents", in->agents_count);
+        agent_print(name, &all);
+    }
+}
+
 static void text_print(const struct run *r, const struct report_input *in,
                        const struct report_result *out)
 {
@@ -60,16 +114,9 @@ static void text_print(const struct run *r, const struct report_input *in,
            in->experiment->name, in->seed, in->sim_time_s, in->wall_time_s,
            in->wall_time_s > 0.0 ? in->sim_time_s / in->wall_time_s : 0.0,
            in->broke_off ? ", where it broke off" : "");
-    for (size_t i = 0; i < in->robots_count; i++) {
-        printf("  %-12s %7.2f m  %3u stalls  %6" PRIu64 " mails sent  %6" PRIu64 " received\n",
-               in->robots[i].name, out->robots[i].distance_m, out->robots[i].stalls,
-               in->robots[i].mail_sent, in->robots[i].mail_received);
-    }
-    for (size_t i = 0; i < in->agents_count; i++) {
-        printf("  %-12s %7" PRIu64 " rule firings  %6" PRIu64 " mails sent  %6" PRIu64
-               " received\n",
-               in->agents[i].name, in->agents[i].rule_firings, in->agents[i].mail_sent,
-               in->agents[i].mail_received);
+    if (!r->options.quiet) {
+        robots_print(in, out);
+        agents_print(in);
     }
     for (unsigned i = 0; i < in->experiment->expect_count; i++) {
         const char *word = !out->judged[i] ? "-     " : out->met[i] ? "met   " : "FAILED";

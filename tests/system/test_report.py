@@ -125,6 +125,24 @@ robots:
         check_equal(made["robots"], summary["robots"], "the recording's counters")
 
 
+def test_many_agents_have_one_line():
+    with folder() as out:
+        (out / "talks.clp").write_text("(defrule t (time ?) => (broadcast hi) (update-sensors))\n")
+        for count, words, rows in ((24, (), [f"w_{i}" for i in range(24)]), (25, (), ["25 agents"]),
+                                   (24, ("--quiet",), [])):
+            (out / "many.yaml").write_text(f"""
+simulator: none
+duration: 1
+agents:
+  - {{name: w, rules: talks.clp, count: {count}}}
+""")
+            done = muster("run", out / "many.yaml", "--out", out / "run", *words)
+            said = [line.split("  ") for line in done.stdout.splitlines() if "mails sent" in line]
+            check_equal([row[1] for row in said], rows, done.stdout + done.stderr)
+        summary = json.loads((out / "run/summary.json").read_text())
+        check_equal(len(summary["agents"]), 24, "agents of the summary")
+
+
 def test_a_run_that_was_killed_has_a_report_as_far_as_it_went():
     with folder() as out, Processes() as processes:
         run = processes.start(MUSTER, "run", FOLLOW, "--quiet", "--rate", "10", "--out", out / "r")
