@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """tools/source: sources as Debian's source packages have them, from a file, the cache, or apt."""
 import os
+import re
 import subprocess
 
 import pytest
-from support import ROOT, check, check_equal, folder
+from support import BIN, ROOT, check, check_equal, folder
 
 TOOL = ROOT / "tools" / "source"
 # A source, its file, the variable that names a copy, how many .c files, and what one of its files says.
@@ -71,3 +72,12 @@ def test_a_source_and_a_folder_are_wanted():
         done = subprocess.run([TOOL, *words], capture_output=True, text=True)
         check_equal((done.returncode, done.stderr),
                     (2, "usage: tools/source clips|musl|ode|libccd FOLDER\n"), f"{words}")
+
+
+def test_the_notice_names_the_programs_that_contain_a_source():
+    notice = (ROOT / "NOTICE").read_text()
+    for source, function in (("CLIPS 6.30\n---", " T EnvReset\n"), ("musl\n---", " T atan2\n")):
+        named = set(re.findall(r"muster(?:-\w+)?", notice.partition(source)[2].partition(" contain ")[0]))
+        built = {path.name for path in BIN.iterdir() if function in subprocess.run(
+            ["nm", path], capture_output=True, text=True, timeout=60, check=True).stdout}
+        check_equal(named, built, source)
