@@ -55,8 +55,9 @@ static struct mu_option option_table[] = {
               "sockets beside DDS between processes of one host (default: on)",
               .environment = LOCAL_ENVIRONMENT),
     MU_REAL("limit", "S", chosen.limit_s,
-            "end the run after this much wall time, with exit code 124; 0: never", .fallback = "0",
-            .max = 1e9),
+            "end the run after this much wall time, with exit code 124, and let its processes take "
+            "so long to begin; 0: never, and 20 s",
+            .fallback = "0", .max = 1e9),
     MU_FLAG("no-spread", chosen.no_spread,
             "let the system move processes between processors; as fast as possible, each "
             "stays on one"),

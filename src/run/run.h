@@ -109,6 +109,7 @@ struct run {
     bool command_unknown; /* no agent fits what a command of the observer is for */
     uint64_t directives_sent, directives_kept; /* receipts say: the broker has them */
     uint64_t pages_sent, pages_answered;       /* of the robots' groups and services */
+    uint64_t patience_ns;                      /* for all to be there, from its begin on */
     uint64_t began_wall_ns, progress_wall_ns, round_wall_ns;
     uint64_t silent_ns; /* since the simulator was heard of last */
 };

@@ -430,20 +430,22 @@ static void controllers_explain(const struct run *r)
     }
 }
 
-static int start_patience(const struct run *r)
+/* A run with a time limit waits until that, and says once who it is that it waits for. */
+static int start_patience(struct run *r)
 {
-    uint64_t patience_ns =
-        START_PATIENCE_NS + experiment_members(r->experiment) * START_PATIENCE_EACH_NS;
-    if (mu_clock_ns() - r->began_wall_ns < patience_ns) {
+    if (mu_clock_ns() - r->began_wall_ns < r->patience_ns) {
         return -1;
     }
     char monitors[256];
     run_monitors_missing(r, monitors, sizeof monitors);
-    fprintf(stderr, "muster run: not everybody is there after %d s; missing: %.200s%s%s\n",
-            (int)(patience_ns / 1000000000u), r->waits_for,
+    fprintf(stderr,
+            "muster run: not everybody is there after %d s (--limit S waits longer); missing: "
+            "%.200s%s%s\n",
+            (int)(r->patience_ns / 1000000000u), r->waits_for,
             r->waits_for[0] && monitors[0] ? " " : "", monitors);
     controllers_explain(r);
-    return MU_EXIT_DDS;
+    r->patience_ns = UINT64_MAX;
+    return r->options.limit_s > 0.0 ? -1 : MU_EXIT_DDS;
 }
 
 /* @return whether every scheme of the experiment has its resolver in the yellow pages */
@@ -577,6 +579,7 @@ static int record_await(struct run *r)
 static int live_through(struct run *r)
 {
     r->began_wall_ns = mu_clock_ns();
+    r->patience_ns = START_PATIENCE_NS + experiment_members(r->experiment) * START_PATIENCE_EACH_NS;
     if (run_start(r) != MU_OK) {
         return MU_EXIT_DDS;
     }

@@ -104,6 +104,16 @@ def test_a_controller_that_fails_ends_the_run_and_is_named(deed, code, said):
             check(words in done.stderr, f"{words!r} in {done.stderr!r}")
 
 
+def test_a_run_with_a_limit_waits_for_a_controller_that_is_late():
+    with folder() as out:
+        late = out / "late.sh"
+        late.write_text(f"#!/bin/sh\nsleep 22\nexec {program('bad_controller')} \"$@\"\n")
+        late.chmod(0o755)
+        done, _ = run(out, "none", path=late, words=("--limit", 100))
+        check_equal(done.returncode, 0, done.stderr)
+        check("after 20 s (--limit S waits longer); missing: red\n" in done.stderr, done.stderr)
+
+
 @pytest.mark.parametrize("deed", ["babble", "mute", "flood"])
 def test_a_controller_that_is_loud_or_mute_stops_no_run(deed):
     with folder() as out:
