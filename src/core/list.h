@@ -32,7 +32,9 @@ struct mu_links {
     size_t stride; /* from one to the next, in bytes */
 };
 
-#define MU_LINKS(array, member) ((struct mu_links){&(array)[0].member, sizeof(array)[0]})
+/* A list is told apart from the elements that stand in it: these may be constant. */
+#define MU_LINKS(array, member) \
+    ((struct mu_links){(struct mu_link *)(uintptr_t) & (array)[0].member, sizeof(array)[0]})
 
 static inline struct mu_link *mu_list_link(struct mu_links links, uint32_t i)
 {

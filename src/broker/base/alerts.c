@@ -1,13 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/base/base.h"
 
-#include "muster/memory.h"
-
-void alerts_init(struct alerts *e, uint32_t agents)
-{
-    *e = (struct alerts){.all = mu_startup_array((size_t)agents * ALERT_KINDS, sizeof *e->all)};
-}
-
 void alerts_note(struct alerts *e, enum alert_kind kind, uint32_t agent, uint32_t sender,
                  uint64_t now_ns)
 {

@@ -184,11 +184,9 @@ struct paced {
 };
 
 struct limiter {
-    struct paced *agents; /* one for each agent of the registry */
+    struct paced agents[REGISTRY_MAX];
     struct mu_list queue;
 };
-
-void limiter_init(struct limiter *p, uint32_t agents);
 
 /**
  * Says whether to tell an agent bad news later: then limiter_next gives it when it is time.  From
@@ -225,13 +223,11 @@ struct alert {
 };
 
 struct alerts {
-    struct alert *all; /* ALERT_KINDS for each agent of the registry */
+    struct alert all[REGISTRY_MAX * ALERT_KINDS];
     struct mu_list queue;
     uint32_t ready; /* so many of the queue may be told now */
     uint64_t pause_until_ns;
 };
-
-void alerts_init(struct alerts *e, uint32_t agents);
 
 /** One more of a kind; agent and sender as in struct alert. */
 void alerts_note(struct alerts *e, enum alert_kind kind, uint32_t agent, uint32_t sender,

@@ -1,13 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/base/base.h"
 
-#include "muster/memory.h"
-
-void limiter_init(struct limiter *p, uint32_t agents)
-{
-    *p = (struct limiter){.agents = mu_startup_array(agents, sizeof *p->agents)};
-}
-
 bool limiter_holds(struct limiter *p, uint32_t agent, uint64_t now_ns)
 {
     struct paced *a = &p->agents[agent];

@@ -5,18 +5,6 @@
 
 /* --- shares of senders ------------------------------------------------------------------------ */
 
-static void shares_init(struct mailbox_shares *p)
-{
-    uint32_t slots = 1;
-    while (slots < MU_POSTS_MAX) {
-        slots *= 2;
-    }
-    *p = (struct mailbox_shares){.mask = slots - 1};
-    p->at = mu_startup_array(QUOTA_POSTS_MAX, sizeof *p->at);
-    mu_pool_init(&p->pool, QUOTA_POSTS_MAX);
-    p->heads = mu_startup_array(slots, sizeof *p->heads);
-}
-
 static uint32_t share_get(struct mailbox_shares *p, uint32_t box, uint32_t sender)
 {
     uint32_t pair = mailbox_share_find(p, box, sender);
@@ -45,13 +33,12 @@ static void share_drop(struct mailbox_shares *p, uint32_t pair)
 
 /* --- boxes ------------------------------------------------------------------------------------ */
 
-void mailbox_init(struct mailbox *m, uint32_t agents)
+void mailbox_init(struct mailbox *m)
 {
-    *m = (struct mailbox){0};
     mu_pool_init(&m->posts_pool, QUOTA_POSTS_MAX);
     m->posts = mu_startup_array(QUOTA_POSTS_MAX, sizeof *m->posts);
-    m->boxes = mu_startup_array(agents, sizeof *m->boxes);
-    shares_init(&m->shares);
+    mu_pool_init(&m->shares.pool, QUOTA_POSTS_MAX);
+    m->shares.at = mu_startup_array(QUOTA_POSTS_MAX, sizeof *m->shares.at);
 }
 
 void mailbox_end(struct mailbox *m, uint32_t agent)

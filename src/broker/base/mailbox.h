@@ -37,20 +37,17 @@ struct mailbox_share {
 struct mailbox_shares {
     struct mailbox_share *at; /* QUOTA_POSTS_MAX of them */
     struct mu_pool pool;
-    uint32_t *heads; /* of the lists of each hash: an index and one, or 0 */
-    uint32_t mask;
+    uint32_t heads[MU_POSTS_MAX]; /* of the lists of each hash: an index and one, or 0 */
 };
 
 /* Fibonacci hashing scatters the boxes; neighbours among the senders stay neighbours. */
-static inline uint32_t *mailbox_share_head(const struct mailbox_shares *p, uint32_t box,
-                                           uint32_t sender)
+static inline uint32_t *mailbox_share_head(struct mailbox_shares *p, uint32_t box, uint32_t sender)
 {
-    return &p->heads[(box * 2654435769u ^ sender) & p->mask];
+    return &p->heads[(box * 2654435769u ^ sender) % MU_POSTS_MAX];
 }
 
 /** @return the pair, or MU_NONE: the sender has nothing there */
-static inline uint32_t mailbox_share_find(const struct mailbox_shares *p, uint32_t box,
-                                          uint32_t sender)
+static inline uint32_t mailbox_share_find(struct mailbox_shares *p, uint32_t box, uint32_t sender)
 {
     uint32_t next = *mailbox_share_head(p, box, sender);
     while (next != 0 && (p->at[next - 1].box != box || p->at[next - 1].sender != sender)) {
@@ -116,15 +113,15 @@ struct box {
 struct mailbox {
     struct post *posts; /* QUOTA_POSTS_MAX of them */
     struct mu_pool posts_pool;
-    uint64_t base;          /* every box counts from here */
-    struct box *boxes;      /* one for each agent of the registry */
+    uint64_t base; /* every box counts from here */
+    struct box boxes[REGISTRY_MAX];
     struct mu_list watched; /* those that wait for an acknowledgement; the one without progress for
                                longest is the first */
     struct mailbox_shares shares;
     struct box_limits limits; /* of boxes that have none of their own */
 };
 
-void mailbox_init(struct mailbox *m, uint32_t agents);
+void mailbox_init(struct mailbox *m);
 
 /** @return the box of an agent; it begins if it has not, which is only for code that puts mail into
  * it: another broker is told where (names_tell_number) */
@@ -294,14 +291,12 @@ struct receipt {
 };
 
 struct receipts {
-    struct receipt *at; /* MU_MAILS_MAX of them */
+    struct receipt at[MU_MAILS_MAX];
     struct mu_pool pool;
-    struct mu_list *queues; /* one for each agent of the registry */
-    uint32_t *told;         /* for each: so many of its oldest are out, and may have to go again */
-    uint64_t lost;          /* receipts that were not told, for want of room */
+    struct mu_list queues[REGISTRY_MAX];
+    uint32_t told[REGISTRY_MAX]; /* so many of its oldest are out, and may have to go again */
+    uint64_t lost;               /* receipts that were not told, for want of room */
 };
-
-void receipts_init(struct receipts *r, uint32_t agents);
 
 /**
  * Adds an outcome; it joins the sender's last one if that is its neighbour and the same.

@@ -18,8 +18,7 @@ _Static_assert(sizeof(struct mail) + MU_NAME_MAX + MU_DST_MAX + 6 * MU_FIELD_MAX
 
 void pool_init(struct pool *s)
 {
-    *s = (struct pool){.memory = mu_startup_array(POOL_SLABS, POOL_SLAB_BYTES),
-                       .slabs = mu_startup_array(POOL_SLABS, sizeof *s->slabs)};
+    s->memory = mu_startup_array(POOL_SLABS, POOL_SLAB_BYTES);
     mu_pool_init(&s->slabs_pool, POOL_SLABS);
 }
 

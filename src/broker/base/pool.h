@@ -14,6 +14,16 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/** Places for names.  The broker itself stands first in the white pages, its parts after it
+ * (metrics.h). */
+enum {
+    REGISTRY_BROKER = 0,
+    REGISTRY_OWN = MU_BROKER_LINES,
+    REGISTRY_ORDINARY = MU_AGENTS_MAX + REGISTRY_OWN,
+    REGISTRY_KEPT = 64, /* places beyond, for commands that come when all others are taken */
+    REGISTRY_MAX = REGISTRY_ORDINARY + REGISTRY_KEPT
+};
+
 /* --- quota.c --------------------------------------------------------------------------------- */
 
 /*
@@ -77,7 +87,7 @@ enum {
 };
 
 struct quota_accounts {
-    struct quota_use *senders[QUOTA_SIDES]; /* one for each agent of the registry */
+    struct quota_use senders[QUOTA_SIDES][REGISTRY_MAX];
     struct quota_use all[QUOTA_SIDES];
 };
 
@@ -175,7 +185,7 @@ struct pool_slab {
 
 struct pool {
     unsigned char *memory;
-    struct pool_slab *slabs;
+    struct pool_slab slabs[POOL_SLABS];
     struct mu_pool slabs_pool;
     struct mu_list open[POOL_CLASSES];
     uint32_t mails;
@@ -281,12 +291,10 @@ static inline bool mail_is_written(const struct mail *m)
 /* Mails in order of a time: when they are due, or when they expire. */
 
 struct timers {
-    struct mail **heap; /* QUOTA_MAILS_MAX of them: a mail stands here once */
+    struct mail *heap[QUOTA_MAILS_MAX]; /* a mail stands here once */
     uint32_t count;
     enum timers_kind kind;
 };
-
-void timers_init(struct timers *s, enum timers_kind kind);
 
 /** Enters a mail for m->at_ns of this kind; equal times go by m->order. */
 void timers_add(struct timers *s, struct mail *m);

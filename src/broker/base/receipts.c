@@ -1,16 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/base/base.h"
 
-#include "muster/memory.h"
-
-void receipts_init(struct receipts *r, uint32_t agents)
-{
-    *r = (struct receipts){.at = mu_startup_array(MU_MAILS_MAX, sizeof *r->at),
-                           .queues = mu_startup_array(agents, sizeof *r->queues),
-                           .told = mu_startup_array(agents, sizeof *r->told)};
-    mu_pool_init(&r->pool, MU_MAILS_MAX);
-}
-
 const struct receipt *receipts_next(const struct receipts *r, uint32_t agent,
                                     const struct receipt *after)
 {

@@ -1,14 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/base/base.h"
 
-#include "muster/memory.h"
-
-void timers_init(struct timers *s, enum timers_kind kind)
-{
-    *s = (struct timers){.kind = kind};
-    s->heap = mu_startup_array(QUOTA_MAILS_MAX, sizeof(struct mail *));
-}
-
 static bool mail_before(const struct timers *s, const struct mail *a, const struct mail *b)
 {
     uint64_t a_ns = a->at_ns[s->kind], b_ns = b->at_ns[s->kind];

@@ -9,6 +9,8 @@
 
 #include <stdio.h>
 
+static const uint64_t NAME_EXPIRY_NS = 600000000000;
+
 /* The broker's own lines of the white pages: itself, and its parts, which members of a run
  * are not shown. */
 static void broker_enlist(struct broker *b, const struct broker_options *options)
@@ -35,31 +37,27 @@ struct broker *broker_open(const struct broker_options *options)
     b->incarnation = options->incarnation;
     b->clock.wall_ns = options->wall_ns;
     registry_init(&b->registry, options->names ? options->names : MU_AGENTS_MAX);
-    processes_init(&b->processes);
-    claims_init(&b->claims);
+    mu_table_init(&b->processes.names, MU_PROCESSES_MAX);
+    mu_pool_init(&b->claims.pool, CLAIMS_MAX);
     pool_init(&b->pool);
-    timers_init(&b->due, TIMERS_DUE);
-    timers_init(&b->expiry, TIMERS_EXPIRY);
-    timers_init(&b->replays, TIMERS_DUE);
-    mailbox_init(&b->mailbox, REGISTRY_MAX);
+    b->expiry.kind = TIMERS_EXPIRY;
+    mailbox_init(&b->mailbox);
     mailbox_set_defaults(&b->mailbox, options->box_policy, options->box_mails, options->box_bytes);
-    ledger_init(&b->quotas, REGISTRY_MAX);
-    alerts_init(&b->alerts, REGISTRY_MAX);
-    limiter_init(&b->limiter, REGISTRY_MAX);
-    receipts_init(&b->receipts, REGISTRY_MAX);
-    steps_init(&b->steps, REGISTRY_MAX);
-    dispatch_init(&b->dispatch);
-    snapshots_init(&b->snapshots);
-    probes_init(&b->probes);
+    mu_pool_init(&b->receipts.pool, MU_MAILS_MAX);
+    b->steps.simulator = MU_NONE;
+    b->dispatch.open = MU_NONE;
+    b->snapshots.texts = mu_startup_array(MU_CAPSULES_MAX, MU_CAPSULE_MAX);
     view_init(&b->pages);
-    resolve_init(&b->resolve, REGISTRY_MAX);
+    mu_pool_init(&b->resolve.pool, RESOLVE_WAITS);
+    b->resolve.soonest_ns = UINT64_MAX;
     trust_init(&b->trust);
     guard_attach(b);
-    audit_init(&b->audit, options->audit);
+    b->audit.on = options->audit;
     dispatch_set_interval(b, options->delivery_interval_ns);
-    remote_init(&b->federation);
-    retire_init(&b->retirement, options->name_expiry_ns);
-    journal_init(&b->journal, options->has_store);
+    b->federation.peers = mu_startup_array(MU_BROKERS_MAX, sizeof *b->federation.peers);
+    b->retirement.expiry_ns = options->name_expiry_ns ? options->name_expiry_ns : NAME_EXPIRY_NS;
+    b->journal.on = options->has_store;
+    b->journal.awaits_ns = UINT64_MAX;
     b->mailbox.base = options->number_base;
     broker_enlist(b, options);
     return b;

@@ -260,7 +260,7 @@ static bool line_take(struct broker *b, enum lines_kind lines, const struct line
 static bool restore_line(struct broker *b, const struct journal_entry *e)
 {
     const struct line_word *l = &e->line;
-    if ((unsigned)e->lines >= LINES_KINDS || !b->journal.slots[e->lines].marked) {
+    if ((unsigned)e->lines >= LINES_KINDS || !b->journal.on) {
         return false;
     }
     struct journal_slots *s = &b->journal.slots[e->lines];

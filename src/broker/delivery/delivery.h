@@ -206,14 +206,12 @@ struct dispatch {
     muster_Glance probe;
     struct dispatch_part parts[DISPATCH_AGENTS];
     uint32_t parts_count;
-    muster_Parcel *parcels;
-    muster_Receipt *receipts;
+    muster_Parcel parcels[DISPATCH_ITEMS];
+    muster_Receipt receipts[DISPATCH_RECEIPTS];
     muster_Verdict verdicts[DISPATCH_VERDICTS];
     muster_Member members[DISPATCH_MEMBERS];
     muster_Mail outside[STEPS_OUTSIDE_MAX];
 };
-
-void dispatch_init(struct dispatch *c);
 
 /** @return whether ordinary mail may go out to processes that do not go by steps */
 static inline bool dispatch_is_awake(const struct dispatch *c)

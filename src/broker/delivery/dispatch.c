@@ -2,14 +2,6 @@
 #include "broker/delivery/delivery.h"
 
 #include "broker/control/parts.h"
-#include "muster/memory.h"
-
-void dispatch_init(struct dispatch *c)
-{
-    *c = (struct dispatch){.open = MU_NONE};
-    c->parcels = mu_startup_array(DISPATCH_ITEMS, sizeof *c->parcels);
-    c->receipts = mu_startup_array(DISPATCH_RECEIPTS, sizeof *c->receipts);
-}
 
 /* --- the interval ----------------------------------------------------------------------------- */
 

@@ -3,19 +3,12 @@
 
 #include "core/json.h"
 #include "core/text.h"
-#include "muster/memory.h"
 
 #include <string.h>
 
-void audit_init(struct audit *a, bool record)
-{
-    *a = (struct audit){0};
-    a->ring = record ? mu_startup_array(MU_AUDIT_MAX, sizeof *a->ring) : NULL;
-}
-
 struct audit_record *audit_add(struct audit *a)
 {
-    if (!a->ring) {
+    if (!a->on) {
         return NULL;
     }
     if (a->count == MU_AUDIT_MAX) {

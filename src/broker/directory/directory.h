@@ -82,9 +82,6 @@ struct lines {
     uint64_t open;                 /* the version that the open Delivery leads to */
 };
 
-/** @return how many lines a table of that kind has room for */
-uint32_t lines_capacity(enum lines_kind kind);
-
 /** Takes memory at start-up. */
 void lines_init(struct lines *l, enum lines_kind kind);
 
@@ -199,18 +196,17 @@ struct subscription {
 };
 
 struct subscriptions {
-    struct subscription *at; /* MU_SUBSCRIPTIONS_MAX of them */
-    uint32_t *order;         /* [0, count) in use, the oldest first; then those given back */
+    struct subscription at[MU_SUBSCRIPTIONS_MAX];
+    uint32_t
+        order[MU_SUBSCRIPTIONS_MAX]; /* [0, count) in use, oldest first; then those given back */
     uint32_t count, used;
 };
 
-void subscriptions_init(struct subscriptions *s);
-
 /** @return the index-th in order of age; index < count */
-struct subscription *subscriptions_at(const struct subscriptions *s, uint32_t index);
+struct subscription *subscriptions_at(struct subscriptions *s, uint32_t index);
 
 /** @return the index of an agent's query with that text, or MU_NONE */
-uint32_t subscriptions_find(const struct subscriptions *s, const char *agent, const char *text);
+uint32_t subscriptions_find(struct subscriptions *s, const char *agent, const char *text);
 
 /** @return a new one, told of nothing, last in order; NULL: full */
 struct subscription *subscriptions_add(struct subscriptions *s, const char *agent,
@@ -225,7 +221,7 @@ bool subscriptions_note(struct subscription *s, uint32_t line, bool found);
 bool subscriptions_owe(struct subscription *s, uint32_t line, bool owed);
 
 /** Notes the lines that a subscriber was told are found, and has not heard otherwise of since. */
-void subscriptions_rest(const struct subscriptions *s, uint64_t lines[SUBSCRIPTIONS_WORDS]);
+void subscriptions_rest(struct subscriptions *s, uint64_t lines[SUBSCRIPTIONS_WORDS]);
 
 /** A line of the services is no more; another one will have its index. */
 void subscriptions_forget(struct subscriptions *s, uint32_t line);
@@ -246,8 +242,9 @@ enum { PAGES_MEMBERSHIPS = 4096, PAGES_OFFERS = 1024 };
 struct pages {
     struct lines groups, services;
     struct subscriptions subscriptions;
-    muster_Membership *memberships; /* of the open Delivery */
-    muster_Offer *offers;
+    /* Of the open Delivery; inside, one holds everything. */
+    muster_Membership memberships[MU_MEMBERSHIPS_MAX];
+    muster_Offer offers[MU_SERVICES_MAX];
     bool asked_inside; /* a policy asks because of a directive from inside */
 };
 

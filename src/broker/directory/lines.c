@@ -7,14 +7,9 @@
 
 #include <string.h>
 
-uint32_t lines_capacity(enum lines_kind kind)
-{
-    return kind == LINES_GROUPS ? MU_MEMBERSHIPS_MAX : MU_SERVICES_MAX;
-}
-
 void lines_init(struct lines *l, enum lines_kind kind)
 {
-    uint32_t capacity = lines_capacity(kind);
+    uint32_t capacity = kind == LINES_GROUPS ? MU_MEMBERSHIPS_MAX : MU_SERVICES_MAX;
     *l = (struct lines){.soonest_ns = UINT64_MAX, .keys_max = MU_GROUPS_MAX};
     mu_pairs_init(&l->pairs, capacity);
     l->at = mu_startup_array(capacity, sizeof *l->at);

@@ -2,24 +2,16 @@
 #include "broker/directory/directory.h"
 
 #include "core/text.h"
-#include "muster/memory.h"
 
 #include <string.h>
 
-void subscriptions_init(struct subscriptions *s)
-{
-    *s = (struct subscriptions){0};
-    s->at = mu_startup_array(MU_SUBSCRIPTIONS_MAX, sizeof *s->at);
-    s->order = mu_startup_array(MU_SUBSCRIPTIONS_MAX, sizeof *s->order);
-}
-
-struct subscription *subscriptions_at(const struct subscriptions *s, uint32_t index)
+struct subscription *subscriptions_at(struct subscriptions *s, uint32_t index)
 {
     MU_ASSERT(index < s->count);
     return &s->at[s->order[index]];
 }
 
-uint32_t subscriptions_find(const struct subscriptions *s, const char *agent, const char *text)
+uint32_t subscriptions_find(struct subscriptions *s, const char *agent, const char *text)
 {
     for (uint32_t i = 0; i < s->count; i++) {
         const struct subscription *one = subscriptions_at(s, i);
@@ -74,7 +66,7 @@ bool subscriptions_owe(struct subscription *s, uint32_t line, bool owed)
     return bit_set(s->owed, line, owed);
 }
 
-void subscriptions_rest(const struct subscriptions *s, uint64_t lines[SUBSCRIPTIONS_WORDS])
+void subscriptions_rest(struct subscriptions *s, uint64_t lines[SUBSCRIPTIONS_WORDS])
 {
     memset(lines, 0, SUBSCRIPTIONS_WORDS * sizeof *lines);
     for (uint32_t i = 0; i < s->count; i++) {

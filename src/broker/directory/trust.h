@@ -112,15 +112,13 @@ struct audit_record {
 };
 
 struct audit {
-    struct audit_record *ring; /* MU_AUDIT_MAX of them; NULL: nothing is recorded */
+    bool on; /* else nothing is recorded */
+    struct audit_record ring[MU_AUDIT_MAX];
     uint32_t head, count;
     uint64_t recorded;
     uint64_t lost;   /* for want of room: the earlier ones were not taken */
     uint64_t failed; /* that could not be written */
 };
-
-/** Takes the ring's memory, if anything is to be recorded. */
-void audit_init(struct audit *a, bool record);
 
 /** Makes room for one record.  @return the record, zeroed; NULL: it is not wanted, or it is lost */
 struct audit_record *audit_add(struct audit *a);

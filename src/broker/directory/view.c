@@ -2,21 +2,15 @@
 #include "broker/directory/directory.h"
 
 #include "broker/control/parts.h"
-#include "muster/memory.h"
 
 #include <stdio.h>
 #include <string.h>
 
 void view_init(struct pages *p)
 {
-    *p = (struct pages){0};
     lines_init(&p->groups, LINES_GROUPS);
     lines_init(&p->services, LINES_SERVICES);
-    subscriptions_init(&p->subscriptions);
     p->services.told_to = &p->subscriptions;
-    /* Inside, one Delivery holds everything. */
-    p->memberships = mu_startup_array(MU_MEMBERSHIPS_MAX, sizeof *p->memberships);
-    p->offers = mu_startup_array(MU_SERVICES_MAX, sizeof *p->offers);
 }
 
 /* --- what is shown ---------------------------------------------------------------------------- */

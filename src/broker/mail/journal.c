@@ -3,7 +3,6 @@
 
 #include "broker/control/parts.h"
 #include "core/hash.h"
-#include "muster/memory.h"
 
 enum { BUCKETS_RUN = 64 };
 
@@ -30,22 +29,6 @@ bool mail_durable_on(struct mail *m, enum mail_durable_event event)
     return m->durable != before;
 }
 
-void journal_init(struct journal *j, bool on)
-{
-    *j = (struct journal){.on = on, .awaits_ns = UINT64_MAX};
-    if (on) {
-        j->agents = mu_startup_array(REGISTRY_MAX, sizeof *j->agents);
-        j->buckets = mu_startup_array(JOURNAL_BUCKETS, sizeof *j->buckets);
-        j->text = mu_startup_alloc(JOURNAL_WAITING_BYTES);
-        for (int i = 0; i < LINES_KINDS; i++) {
-            struct journal_slots *s = &j->slots[i];
-            uint32_t capacity = lines_capacity((enum lines_kind)i);
-            s->marked = mu_startup_array(capacity, sizeof *s->marked);
-            s->is_marked = mu_startup_array(capacity, sizeof *s->is_marked);
-        }
-    }
-}
-
 bool journal_takes(const struct broker *b)
 {
     return b->journal.on && !b->journal.failing;
@@ -54,13 +37,13 @@ bool journal_takes(const struct broker *b)
 /* --- durable mails by their names ------------------------------------------------------------- */
 
 /* Mails that follow each other are beside each other, as they come and go. */
-static struct mail **bucket_of(const struct journal *j, uint32_t sender, uint64_t seq)
+static struct mail **bucket_of(struct journal *j, uint32_t sender, uint64_t seq)
 {
     uint64_t where = mu_hash_number((seq / BUCKETS_RUN) ^ (uint64_t)sender << 40) * BUCKETS_RUN;
     return &j->buckets[(where + seq % BUCKETS_RUN) % JOURNAL_BUCKETS];
 }
 
-struct mail *journal_look(const struct journal *j, uint32_t sender, uint64_t seq)
+struct mail *journal_look(struct journal *j, uint32_t sender, uint64_t seq)
 {
     struct mail *m = *bucket_of(j, sender, seq);
     while (m && (m->sender != sender || m->letter.seq != seq)) {
@@ -243,7 +226,7 @@ struct lines *journal_table(struct broker *b, enum lines_kind lines)
 void journal_line_changed(struct broker *b, enum lines_kind lines, uint32_t slot)
 {
     struct journal_slots *s = &b->journal.slots[lines];
-    if (s->marked && !s->is_marked[slot]) {
+    if (b->journal.on && !s->is_marked[slot]) {
         s->is_marked[slot] = true;
         s->marked[s->count++] = slot;
     }

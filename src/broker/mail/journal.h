@@ -31,6 +31,7 @@
 
 enum {
     JOURNAL_BUCKETS = 65536,
+    JOURNAL_SLOTS = MU_MEMBERSHIPS_MAX > MU_SERVICES_MAX ? MU_MEMBERSHIPS_MAX : MU_SERVICES_MAX,
     JOURNAL_WAITING_BYTES = REGISTRY_MAX * (MU_NAME_MAX + 1) + 32,
     JOURNAL_RESERVE = 1 << 20, /* numbers of a sender that are reserved at once */
 };
@@ -71,8 +72,8 @@ struct journal_entry {
 };
 
 struct journal_slots {
-    uint32_t *marked; /* NULL: nothing is kept */
-    bool *is_marked;  /* for each slot */
+    uint32_t marked[JOURNAL_SLOTS];
+    bool is_marked[JOURNAL_SLOTS];
     uint32_t count;
     bool reset; /* lines of an earlier life are still on disk */
 };
@@ -93,19 +94,17 @@ struct journal {
     uint64_t awaits_ns; /* until then the first of the agents that are not there may still come
                            back: see struct agent; UINT64_MAX: none may */
     uint64_t retry_ns;
-    uint64_t rows;          /* the last row of a mail */
-    struct mail_list mails; /* that are marked, in order of routing */
-    uint32_t *agents;       /* marked names: REGISTRY_MAX */
+    uint64_t rows;                 /* the last row of a mail */
+    struct mail_list mails;        /* that are marked, in order of routing */
+    uint32_t agents[REGISTRY_MAX]; /* marked names */
     uint32_t agents_count;
     struct journal_slots slots[LINES_KINDS];
-    uint64_t run_wall_ns;  /* as it is on disk */
-    struct mail **buckets; /* durable mails by sender and number: JOURNAL_BUCKETS */
+    uint64_t run_wall_ns;                  /* as it is on disk */
+    struct mail *buckets[JOURNAL_BUCKETS]; /* durable mails by sender and number */
     struct journal_cursor at;
-    char *text;                 /* for the names of a mail's receivers */
-    uint64_t commits, failures; /* counters */
+    char text[JOURNAL_WAITING_BYTES]; /* for the names of a mail's receivers */
+    uint64_t commits, failures;       /* counters */
 };
-
-void journal_init(struct journal *j, bool on);
 
 /** @return whether the state has changed */
 bool mail_durable_on(struct mail *m, enum mail_durable_event event);
@@ -159,10 +158,10 @@ void journal_seq(struct broker *b, uint32_t agent);
 /** A durable mail that is on disk can be found. */
 void journal_enter(struct journal *j, struct mail *m);
 
-struct mail *journal_look(const struct journal *j, uint32_t sender, uint64_t seq);
+struct mail *journal_look(struct journal *j, uint32_t sender, uint64_t seq);
 
 /** @return a durable mail that waits, or NULL */
-static inline struct mail *journal_find(const struct journal *j, uint32_t sender, uint64_t seq)
+static inline struct mail *journal_find(struct journal *j, uint32_t sender, uint64_t seq)
 {
     return j->on ? journal_look(j, sender, seq) : NULL;
 }

@@ -164,12 +164,13 @@ static bool next_capsule(struct broker *b, struct journal_entry *e)
 {
     struct journal *j = &b->journal;
     while (j->at.snapshot < MU_CAPSULES_MAX) {
-        const struct snapshot *c = &b->snapshots.snapshots[j->at.snapshot++];
+        uint32_t i = j->at.snapshot++;
+        const struct snapshot *c = &b->snapshots.snapshots[i];
         if (c->unsaved) {
             e->kind = JOURNAL_SNAPSHOT;
             e->name = b->registry.agents[c->agent].name;
             e->epoch = c->epoch;
-            e->snapshot = c->phase == SNAPSHOT_FREE ? "" : c->text;
+            e->snapshot = c->phase == SNAPSHOT_FREE ? "" : b->snapshots.texts[i];
             return true;
         }
     }

@@ -2,21 +2,12 @@
 #include "broker/mail/mail.h"
 
 #include "broker/control/parts.h"
-#include "muster/memory.h"
 
 /* What is within a sender's share of the store, however full that is. */
 static const struct quota_use store_floor = {.mails = 64, .bytes = 64 * 1024, .posts = 1024};
 
 /* One in so many places of the store is for directives alone. */
 enum { RESERVE_PART = 64 };
-
-void ledger_init(struct quota_accounts *a, uint32_t agents)
-{
-    *a = (struct quota_accounts){0};
-    for (int side = 0; side < QUOTA_SIDES; side++) {
-        a->senders[side] = mu_startup_array(agents, sizeof(struct quota_use));
-    }
-}
 
 static void use_shrink(struct quota_use *use, uint32_t part)
 {

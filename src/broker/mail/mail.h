@@ -91,8 +91,6 @@ bool recipients_has_member_change(const struct broker *b, const struct mail *que
 
 /* --- ledger.c -------------------------------------------------------------------------------- */
 
-void ledger_init(struct quota_accounts *a, uint32_t agents);
-
 /*
  * What mail takes of the store is booked on its sender's account, and what is refused is counted
  * and told to watchers.
@@ -263,6 +261,9 @@ void answer_ask(struct broker *b, uint32_t receiver, const char *performative,
 /* How long an answer may take: outside, and inside. */
 enum { RESOLVE_PATIENCE_MS = 1000, RESOLVE_PATIENCE_STEPS = 10 };
 
+/* Mails that may wait inside, and as many outside. */
+enum { RESOLVE_WAITS = QUOTA_SIDES * MU_RESOLVE_MAX };
+
 /* A mail that waits. */
 struct resolve_wait {
     struct mail *mail;
@@ -275,17 +276,15 @@ struct resolve_wait {
 };
 
 struct resolve {
-    struct resolve_wait *waits; /* MU_RESOLVE_MAX inside, and as many outside */
+    struct resolve_wait waits[RESOLVE_WAITS];
     struct mu_pool pool;
     uint32_t side_count[QUOTA_SIDES];
-    struct mu_list *queues; /* of each agent of the registry */
+    struct mu_list queues[REGISTRY_MAX];
     struct mu_list waits_asked;
     uint64_t soonest_ns;     /* no patience ends before this, mail clock */
     uint64_t tickets[2];     /* given for questions outside, and inside */
     uint64_t asked, refused; /* questions; answers that were not asked for, or not any more */
 };
-
-void resolve_init(struct resolve *r, uint32_t agents);
 
 /* What is to be done with a mail that takes effect. */
 enum resolve_need {

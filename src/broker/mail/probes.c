@@ -2,16 +2,8 @@
 #include "broker/mail/mail.h"
 
 #include "broker/control/parts.h"
-#include "muster/memory.h"
 
 #include <string.h>
-
-void probes_init(struct probes *g)
-{
-    for (uint32_t i = 0; i < MU_GLANCES_MAX; i++) {
-        g->at[i].text = mu_startup_alloc(MU_GLANCE_BYTES_MAX);
-    }
-}
 
 /* --- words ------------------------------------------------------------------------------------ */
 
@@ -65,7 +57,7 @@ bool probes_next(struct broker *b, uint32_t place, muster_Glance *out)
     *out = (muster_Glance){.word = w->word, .number = w->number};
     out->asker = sample_text(b->registry.agents[w->asker].name);
     out->agent = sample_text(b->registry.agents[w->agent].name);
-    out->text = sample_text(has_text ? g->at[w->probe].text : "");
+    out->text = sample_text(has_text ? g->texts[w->probe] : "");
     return true;
 }
 
@@ -123,9 +115,8 @@ static void ask_take(struct broker *b, uint32_t from, uint32_t asker, const must
                             .agent = agent,
                             .number = asked->number,
                             .from = from,
-                            .to = to,
-                            .text = probe->text};
-    memcpy(probe->text, asked->text, strlen(asked->text) + 1);
+                            .to = to};
+    memcpy(g->texts[probe - g->at], asked->text, strlen(asked->text) + 1);
     g->count++;
     g->asked++;
     word_of(b, probe, to, muster_GLANCE_ASK);
@@ -148,7 +139,7 @@ static void answer_take(struct broker *b, uint32_t place, uint32_t asker,
         struct probe *probe = &g->at[i];
         if (probe->used && probe->to == place && probe->asker == asker &&
             probe->number == answer->number) {
-            memcpy(probe->text, answer->text, strlen(answer->text) + 1);
+            memcpy(g->texts[i], answer->text, strlen(answer->text) + 1);
             glance_answer(b, probe, answer->word);
             return;
         }

@@ -28,7 +28,6 @@ struct probe {
     uint32_t asker, agent;
     uint64_t number;
     uint32_t from, to; /* places: of the asker, and of the agent that is asked; MU_NONE: answered */
-    char *text;        /* MU_GLANCE_BYTES_MAX: the line, then what it showed */
 };
 
 /* What a process is to be told. */
@@ -42,13 +41,12 @@ struct probes_word {
 
 struct probes {
     struct probe at[MU_GLANCES_MAX];
+    char texts[MU_GLANCES_MAX][MU_GLANCE_BYTES_MAX]; /* of each: the line, then what it showed */
     uint32_t count;
     struct probes_word words[PROBES_WORDS]; /* in order */
     uint32_t words_count, open;             /* open: the one that broker_next has in hand */
     uint64_t asked, declined, lost;         /* counters */
 };
-
-void probes_init(struct probes *g);
 
 /** Takes a word of a process. */
 void probes_hear(struct broker *b, uint32_t place, const muster_Glance *probe);

@@ -3,7 +3,6 @@
 
 #include "broker/control/parts.h"
 #include "core/fields.h"
-#include "muster/memory.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -15,15 +14,6 @@ static const char TICKET[] = "resolve-";
 
 /* Tickets for questions outside count from here: those do not shift the tickets inside. */
 static const uint64_t OUTSIDE_TICKETS = 1ull << 62;
-
-void resolve_init(struct resolve *r, uint32_t agents)
-{
-    uint32_t waits = QUOTA_SIDES * MU_RESOLVE_MAX;
-    *r = (struct resolve){.waits = mu_startup_array(waits, sizeof *r->waits),
-                          .queues = mu_startup_array(agents, sizeof *r->queues),
-                          .soonest_ns = UINT64_MAX};
-    mu_pool_init(&r->pool, waits);
-}
 
 /* --- questions to resolvers ------------------------------------------------------------------- */
 

@@ -3,7 +3,6 @@
 
 #include "broker/control/parts.h"
 #include "core/text.h"
-#include "muster/memory.h"
 
 #include <string.h>
 
@@ -14,13 +13,6 @@ static const uint64_t HOST_NS = 3000000000;
 /* A process that is gone by the network's word may have been slow only: a run waits for so
  * long. */
 static const uint64_t LOSS_NS = 1000000000;
-
-void snapshots_init(struct snapshots *d)
-{
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
-        d->snapshots[i].text = mu_startup_alloc(MU_CAPSULE_MAX);
-    }
-}
 
 static uint32_t snapshot_find(const struct broker *b, uint32_t agent)
 {
@@ -141,7 +133,7 @@ bool snapshots_next(struct broker *b, uint32_t place, muster_Trip *out)
     out->host = sample_text(w->host != MU_NONE ? b->registry.agents[w->host].name : "");
     out->process = sample_text(w->at != MU_NONE ? b->processes.at[w->at].name : "");
     out->reason = sample_text(w->reason);
-    out->text = sample_text(arrives ? d->snapshots[w->snapshot].text : "");
+    out->text = sample_text(arrives ? d->texts[w->snapshot] : "");
     return true;
 }
 
@@ -194,11 +186,9 @@ struct snapshot *snapshots_add(struct broker *b, uint32_t agent, const char *nam
                            .source = MU_NONE,
                            .target = MU_NONE,
                            .host = MU_NONE,
-                           .unsaved = b->journal.on && agent != MU_NONE,
-                           .len = strlen(text),
-                           .text = c->text};
+                           .unsaved = b->journal.on && agent != MU_NONE};
     (void)mu_text_copy(c->name, sizeof c->name, name);
-    memcpy(c->text, text, c->len + 1);
+    memcpy(b->snapshots.texts[c - b->snapshots.snapshots], text, strlen(text) + 1);
     b->snapshots.count++;
     b->snapshots.kept++;
     return c;

@@ -47,8 +47,6 @@ struct snapshot {
     bool seated;                   /* a step has given its name to the target, and said so */
     uint64_t until_ns;             /* the host's word on it is awaited for so long */
     bool unsaved;                  /* the disk is to be told that it is there, or that it is free */
-    size_t len;
-    char *text; /* MU_CAPSULE_MAX; snapshot header and snapshot */
 };
 
 /* What a process is to be told. */
@@ -66,6 +64,7 @@ struct snapshot_word {
 
 struct snapshots {
     struct snapshot snapshots[MU_CAPSULES_MAX];
+    char (*texts)[MU_CAPSULE_MAX];              /* of each: snapshot header and snapshot */
     uint32_t count, holding;                    /* snapshots; those that the step waits for */
     struct snapshot_word words[SNAPSHOT_WORDS]; /* in order */
     uint32_t words_count;
@@ -77,8 +76,6 @@ struct snapshots {
 #define SNAPSHOTS_EACH(c, d)                                \
     for (__typeof__(&(d)->snapshots[0]) c = (d)->snapshots; \
          (d)->count > 0 && (c) < (d)->snapshots + MU_CAPSULES_MAX; (c)++)
-
-void snapshots_init(struct snapshots *d);
 
 /** A process is no more; what it was to be told waits, for it may have been slow only. */
 void snapshots_process_gone(struct broker *b, uint32_t place);

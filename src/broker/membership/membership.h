@@ -124,8 +124,6 @@ uint64_t announce_deadline_ns(const struct broker *b);
  * by a look at all of them: nothing has to be counted.
  */
 
-void retire_init(struct retirement *t, uint64_t expiry_ns);
-
 /**
  * An agent has left that was perhaps disposed of.  If so, its mail is answered, and its groups and
  * services go, at once, or when the run that goes by steps is over.

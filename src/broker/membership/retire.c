@@ -2,21 +2,13 @@
 #include "broker/membership/membership.h"
 
 #include "broker/control/parts.h"
-#include "muster/memory.h"
 
 #include <string.h>
 
-static const uint64_t EXPIRY_NS = 600000000000;
 static const uint64_t PAUSE_NS = 250000000;
 
 /* So long a name that has ended keeps its index: the other brokers hear of its end. */
 static const uint64_t LINGER_NS = 2000000000;
-
-void retire_init(struct retirement *t, uint64_t expiry_ns)
-{
-    *t = (struct retirement){.expiry_ns = expiry_ns ? expiry_ns : EXPIRY_NS};
-    t->held = mu_startup_array(REGISTRY_MAX, sizeof *t->held);
-}
 
 /* --- holders of an index ---------------------------------------------------------------------- */
 

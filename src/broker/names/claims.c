@@ -1,14 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/names/names.h"
 
-#include "muster/memory.h"
-
-void claims_init(struct claims *c)
-{
-    *c = (struct claims){.at = mu_startup_array(CLAIMS_MAX, sizeof *c->at)};
-    mu_pool_init(&c->pool, CLAIMS_MAX);
-}
-
 uint32_t claims_find(const struct claims *c, uint32_t first, uint32_t process)
 {
     uint32_t index = first;

@@ -2,16 +2,8 @@
 #include "broker/names/names.h"
 
 #include "core/text.h"
-#include "muster/memory.h"
 
-void graveyard_init(struct graveyard *g)
-{
-    *g = (struct graveyard){.next = 0};
-    g->ring = mu_startup_array(GRAVES_MAX, sizeof *g->ring);
-    mu_table_init(&g->names, GRAVES_MAX);
-}
-
-struct grave *graveyard_find(const struct graveyard *g, const char *name)
+struct grave *graveyard_find(struct graveyard *g, const char *name)
 {
     uint32_t at = mu_table_find(&g->names, name);
     return at != MU_NONE ? &g->ring[at] : NULL;

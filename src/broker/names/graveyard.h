@@ -37,15 +37,13 @@ struct grave {
 };
 
 struct graveyard {
-    struct grave *ring; /* GRAVES_MAX of them */
+    struct grave ring[GRAVES_MAX];
     uint32_t next;
     struct mu_table names;
 };
 
-void graveyard_init(struct graveyard *g);
-
 /** @return the numbers of a name that has ended, or NULL; valid until the next call */
-struct grave *graveyard_find(const struct graveyard *g, const char *name);
+struct grave *graveyard_find(struct graveyard *g, const char *name);
 
 /** Makes room for a name that has none there, if need be for the oldest one's. */
 struct grave *graveyard_add(struct graveyard *g, const char *name);

@@ -19,44 +19,8 @@
  * until it ends (membership/retire.c): the index is held nowhere then, and another name may get it.
  */
 
-/** The broker itself stands first in the white pages, its parts after it (metrics.h). */
-enum {
-    REGISTRY_BROKER = 0,
-    REGISTRY_OWN = MU_BROKER_LINES,
-    REGISTRY_ORDINARY = MU_AGENTS_MAX + REGISTRY_OWN,
-    REGISTRY_KEPT = 64, /* places beyond, for commands that come when all others are taken */
-    REGISTRY_MAX = REGISTRY_ORDINARY + REGISTRY_KEPT
-};
-
 /* Lines of the white pages that are published together. */
 enum { REGISTRY_PAGE = 64, REGISTRY_PAGES = (REGISTRY_MAX + REGISTRY_PAGE - 1) / REGISTRY_PAGE };
-
-/* What a registration says of an agent. */
-struct presence {
-    muster_Kind kind;
-    muster_State state;
-    bool no_broadcasts;         /* mail to all passes it by */
-    muster_BoxPolicy full;      /* of its box, */
-    uint32_t box_mails;         /* which holds so many mails, */
-    uint64_t box_bytes;         /* of so many bytes; 0: the broker's own limit */
-    uint32_t hops;              /* brokers between here and */
-    char home[MU_NAME_MAX + 1]; /* the broker at which it lives; "": it lives in the process */
-    uint64_t since_wall_ns;     /* since when it has its name */
-    uint64_t epoch;             /* how often it has set out for another process */
-    bool newcomer;              /* no broker has given it the name before */
-    uint32_t pid;
-    char host[MU_FIELD_MAX + 1];
-    uint64_t busy_since_wall_ns;   /* 0: it is not */
-    char reason[MU_FIELD_MAX + 1]; /* why it is in this state; "": it does not say */
-};
-
-/* What a neighbour says of an agent. */
-struct route {
-    bool present;
-    uint32_t slot; /* in the neighbour's announcement */
-    uint64_t last_seq;
-    struct presence is; /* the neighbour is one of its hops */
-};
 
 /* How a name ends whose agent was disposed of. */
 enum name_state {
@@ -136,17 +100,17 @@ struct agent {
 struct retirement {
     uint32_t ending; /* so many names are about to end, at least, that need not wait */
     uint64_t expiry_ns;
-    uint64_t next_ns; /* the next look */
-    uint64_t ended;   /* counter */
-    bool *held;       /* for each index, during a look */
+    uint64_t next_ns;        /* the next look */
+    uint64_t ended;          /* counter */
+    bool held[REGISTRY_MAX]; /* for each index, during a look */
 };
 
 struct registry {
-    struct agent *agents;    /* REGISTRY_MAX of them; a free one has no name */
-    uint32_t count;          /* no agent has a higher index */
-    uint32_t live;           /* names that there are */
-    uint32_t present;        /* agents that are there, the broker and its parts not counted */
-    uint32_t *order;         /* indices in order of name: live of them */
+    struct agent *agents;         /* REGISTRY_MAX of them; a free one has no name */
+    uint32_t count;               /* no agent has a higher index */
+    uint32_t live;                /* names that there are */
+    uint32_t present;             /* agents that are there, the broker and its parts not counted */
+    uint32_t order[REGISTRY_MAX]; /* indices in order of name: live of them */
     struct mu_pool ordinary; /* the indices of all but commands that found no place among them, */
     struct mu_pool kept;     /* and of those, from REGISTRY_ORDINARY on */
     struct graveyard graveyard;
@@ -252,12 +216,10 @@ struct claim {
 };
 
 struct claims {
-    struct claim *at; /* CLAIMS_MAX of them */
+    struct claim at[CLAIMS_MAX];
     struct mu_pool pool;
     struct mu_list list;
 };
-
-void claims_init(struct claims *c);
 
 /** @return the claim of a process among those that begin with `first`, or MU_NONE */
 uint32_t claims_find(const struct claims *c, uint32_t first, uint32_t process);

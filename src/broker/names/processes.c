@@ -2,7 +2,6 @@
 #include "broker/names/names.h"
 
 #include "core/text.h"
-#include "muster/memory.h"
 
 #include <string.h>
 
@@ -38,13 +37,6 @@ static const unsigned char next_turn[TURNS][TURN_EVENTS] = {
 /* clang-format on */
 
 /* --- places ----------------------------------------------------------------------------------- */
-
-void processes_init(struct processes *p)
-{
-    *p = (struct processes){0};
-    p->at = mu_startup_array(MU_PROCESSES_MAX, sizeof *p->at);
-    mu_table_init(&p->names, MU_PROCESSES_MAX);
-}
 
 static bool place_is_needed(const struct process *at)
 {

@@ -114,7 +114,7 @@ struct process {
 };
 
 struct processes {
-    struct process *at;       /* MU_PROCESSES_MAX of them */
+    struct process at[MU_PROCESSES_MAX];
     uint32_t top;             /* entries ever used */
     uint32_t seats;           /* given out */
     struct mu_list unmatched; /* those in use that have not matched */
@@ -124,8 +124,6 @@ struct processes {
     struct mu_list queue;     /* of those to look at */
     struct mu_table names;
 };
-
-void processes_init(struct processes *p);
 
 /** @return the index of a process, or MU_NONE */
 static inline uint32_t processes_find(const struct processes *p, const char *name)

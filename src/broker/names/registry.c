@@ -34,12 +34,10 @@ void registry_named_on(struct registry *r, uint32_t agent, enum name_event event
 void registry_init(struct registry *r, uint32_t names)
 {
     MU_ASSERT(names <= MU_AGENTS_MAX);
-    *r = (struct registry){.count = 0};
     mu_pool_init(&r->ordinary, names + REGISTRY_OWN);
     mu_pool_init(&r->kept, REGISTRY_KEPT);
     r->agents = mu_startup_array(REGISTRY_MAX, sizeof *r->agents);
-    r->order = mu_startup_array(REGISTRY_MAX, sizeof *r->order);
-    graveyard_init(&r->graveyard);
+    mu_table_init(&r->graveyard.names, GRAVES_MAX);
     changelog_init(&r->changes, REGISTRY_MAX);
     mu_table_init(&r->names, REGISTRY_MAX);
 }

@@ -4,7 +4,6 @@
 #include "broker/control/parts.h"
 #include "core/hash.h"
 #include "core/text.h"
-#include "muster/memory.h"
 
 #include <string.h>
 
@@ -12,27 +11,6 @@ static const char PREFIX[] = "broker.";
 enum { PREFIX_LEN = sizeof PREFIX - 1 };
 
 static const uint64_t PAUSE_NS = FEDERATION_PAUSE_MS * 1000000ull;
-
-void remote_init(struct federation *l)
-{
-    *l = (struct federation){.part_open = MU_NONE, .peer_open = MU_NONE};
-    /* For all peers together: memory in large pieces stays untouched until it is used. */
-    size_t all = (size_t)MU_BROKERS_MAX * REGISTRY_MAX;
-    struct route *routes = mu_startup_array(all, sizeof *routes);
-    uint64_t *taken = mu_startup_array(all, sizeof *taken);
-    bool *ack_due = mu_startup_array(all, sizeof *ack_due);
-    uint32_t *acks = mu_startup_array(all, sizeof *acks);
-    uint32_t *at_slot = mu_startup_array(all, sizeof *at_slot);
-    for (size_t i = 0; i < MU_BROKERS_MAX; i++) {
-        l->peers[i] = (struct peer){.routes = routes + i * REGISTRY_MAX,
-                                    .taken = taken + i * REGISTRY_MAX,
-                                    .ack_due = ack_due + i * REGISTRY_MAX,
-                                    .acks = acks + i * REGISTRY_MAX,
-                                    .at_slot = at_slot + i * REGISTRY_MAX};
-    }
-    l->pauses = mu_startup_array(REGISTRY_MAX, sizeof *l->pauses);
-    l->acks_open = mu_startup_array(FEDERATION_ACKS, sizeof *l->acks_open);
-}
 
 bool remote_is_broker(const char *process)
 {

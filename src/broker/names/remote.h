@@ -10,7 +10,6 @@
 
 struct agent;
 struct broker;
-struct route;
 
 /* --- remote.c -------------------------------------------------------------------------------- */
 
@@ -57,6 +56,33 @@ enum peer_event {
     PEER_EVENTS
 };
 
+/* What a registration says of an agent. */
+struct presence {
+    muster_Kind kind;
+    muster_State state;
+    bool no_broadcasts;         /* mail to all passes it by */
+    muster_BoxPolicy full;      /* of its box, */
+    uint32_t box_mails;         /* which holds so many mails, */
+    uint64_t box_bytes;         /* of so many bytes; 0: the broker's own limit */
+    uint32_t hops;              /* brokers between here and */
+    char home[MU_NAME_MAX + 1]; /* the broker at which it lives; "": it lives in the process */
+    uint64_t since_wall_ns;     /* since when it has its name */
+    uint64_t epoch;             /* how often it has set out for another process */
+    bool newcomer;              /* no broker has given it the name before */
+    uint32_t pid;
+    char host[MU_FIELD_MAX + 1];
+    uint64_t busy_since_wall_ns;   /* 0: it is not */
+    char reason[MU_FIELD_MAX + 1]; /* why it is in this state; "": it does not say */
+};
+
+/* What a neighbour says of an agent. */
+struct route {
+    bool present;
+    uint32_t slot; /* in the neighbour's announcement */
+    uint64_t last_seq;
+    struct presence is; /* the neighbour is one of its hops */
+};
+
 struct peer {
     char name[MU_NAME_MAX + 1];
     char place[MU_PROCESS_MAX + 1];
@@ -64,12 +90,12 @@ struct peer {
     uint64_t incarnation;
     uint64_t heard_ns; /* when this life of it was heard last */
     /* One for each agent of the registry: */
-    struct route *routes;
-    uint64_t *taken; /* the last number of its box there that was taken here */
-    bool *ack_due;
-    uint32_t *acks; /* those with an acknowledgement due */
+    struct route routes[REGISTRY_MAX];
+    uint64_t taken[REGISTRY_MAX]; /* the last number of its box there that was taken here */
+    bool ack_due[REGISTRY_MAX];
+    uint32_t acks[REGISTRY_MAX]; /* those with an acknowledgement due */
     /* By their slots in its announcement, one more than the indices of those that are there: */
-    uint32_t *at_slot;
+    uint32_t at_slot[REGISTRY_MAX];
     uint32_t acks_count;
 };
 
@@ -85,10 +111,10 @@ struct federation_counts {
 };
 
 struct federation {
-    struct peer peers[MU_BROKERS_MAX];
+    struct peer *peers; /* MU_BROKERS_MAX of them */
     uint32_t peers_count;
     uint32_t peers_there;
-    struct pause *pauses; /* one for each agent */
+    struct pause pauses[REGISTRY_MAX];
     struct mu_list pausing;
     char holders[MU_BROKERS_MAX][MU_FIELD_MAX + 1]; /* reasons of refusals */
     uint32_t holders_count;
@@ -103,12 +129,10 @@ struct federation {
     muster_Entry entries[MU_PART_AGENTS];
     /* relay.c */
     uint32_t peer_open;
-    muster_Ack *acks_open;
+    muster_Ack acks_open[FEDERATION_ACKS];
     uint32_t acks_open_count;
     struct federation_counts count;
 };
-
-void remote_init(struct federation *l);
 
 /** @return whether a process's name is that of a broker */
 bool remote_is_broker(const char *process);

@@ -10,7 +10,7 @@
 
 /* Has the broker had this mail before?  What an earlier life of it has had is known up to the last
  * durable mail alone, and asked only of what may have come to that life. */
-static bool was_had(const struct broker *b, uint32_t sender, const muster_Mail *letter,
+static bool was_had(struct broker *b, uint32_t sender, const muster_Mail *letter,
                     muster_Outcome *outcome)
 {
     const struct agent *a = &b->registry.agents[sender];

@@ -4,16 +4,8 @@
 #include "broker/control/parts.h"
 #include "core/address.h"
 #include "core/sort.h"
-#include "muster/memory.h"
 
 #include <string.h>
-
-void steps_init(struct steps *l, uint32_t agents)
-{
-    *l = (struct steps){.simulator = MU_NONE};
-    l->turns = mu_startup_array(agents, sizeof *l->turns);
-    l->active = mu_startup_array(agents, sizeof *l->active);
-}
 
 /* --- scopes ----------------------------------------------------------------------------------- */
 

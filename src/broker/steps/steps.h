@@ -97,8 +97,8 @@ struct steps {
     uint32_t answered;
     uint64_t start_version; /* of the white pages when it began */
     uint64_t version;       /* of the white pages, when the last step ended */
-    struct turn *turns;     /* one for each agent of the registry */
-    uint32_t *active;       /* agents with something collected */
+    struct turn turns[REGISTRY_MAX];
+    uint32_t active[REGISTRY_MAX]; /* agents with something collected */
     uint32_t active_count;
     uint32_t outside_waiting;
     struct quota_use outside_use; /* of mails from outside, until they take effect */
@@ -109,8 +109,6 @@ struct steps {
     muster_LockstepEnd end;    /* of the last lock step */
     muster_LockstepEnd so_far; /* as of the last step of this one */
 };
-
-void steps_init(struct steps *l, uint32_t agents);
 
 /** Something happens to a process that has to do with the run; our own code aborts if it cannot. */
 void steps_role_on(struct broker *b, uint32_t place, enum role_event event);

@@ -151,7 +151,7 @@ static void test_claims_have_a_limit(void)
 {
     static struct claims c;
     static uint32_t first[CLAIMS_MAX];
-    claims_init(&c);
+    mu_pool_init(&c.pool, CLAIMS_MAX);
     for (uint32_t i = 0; i < CLAIMS_MAX; i++) {
         first[i] = MU_NONE;
         CU_ASSERT_TRUE_FATAL(claims_add(&c, &first[i / 2], &(struct claim){.process = i % 2}));

@@ -298,9 +298,9 @@ static void test_last_words_hold_the_place(void)
 
 static void test_limit_graves(void)
 {
-    struct graveyard g;
+    static struct graveyard g;
     struct agent a = {.seq = {.seen = 5}};
-    graveyard_init(&g);
+    mu_table_init(&g.names, GRAVES_MAX);
     for (unsigned i = 0; i <= GRAVES_MAX; i++) {
         snprintf(a.name, sizeof a.name, "r%u", i);
         graveyard_bury(&g, &a);

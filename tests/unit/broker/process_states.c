@@ -119,7 +119,6 @@ static void test_bearers(void)
 
 int main(void)
 {
-    processes_init(&processes);
     CU_TestInfo tests[] = {
         {"sessions", test_sessions}, {"turns", test_turns},     {"roles", test_roles},
         {"names", test_names},       {"bearers", test_bearers}, CU_TEST_INFO_NULL,

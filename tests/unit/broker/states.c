@@ -33,8 +33,11 @@ static int apply_durable(int state, int event)
 
 static int apply_peer(int state, int event)
 {
-    struct federation l = {.peers_there = 5};
-    struct peer p = {.state = (enum peer_state)state};
+    static struct federation l;
+    static struct peer p;
+    l.peers_there = 5;
+    l.count.earlier_lives = 0;
+    p.state = (enum peer_state)state;
     bool allowed = remote_peer_on(&l, &p, (enum peer_event)event);
     CU_ASSERT_EQUAL(l.count.earlier_lives, !allowed);
     CU_ASSERT(allowed || p.state == (enum peer_state)state);
