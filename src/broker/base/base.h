@@ -61,10 +61,6 @@ static inline void clock_set_now(struct clock *c, uint64_t now_ns)
  * clock. */
 void clock_start(struct clock *c, uint64_t step_ns, uint64_t run_ns);
 
-/** A step ends: between the two, what is done happens in every run. */
-void clock_commit_begin(struct clock *c);
-void clock_commit_end(struct clock *c);
-
 /** @return whether steps move the time */
 static inline bool clock_by_steps(const struct clock *c)
 {

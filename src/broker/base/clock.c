@@ -12,18 +12,6 @@ void clock_start(struct clock *c, uint64_t step_ns, uint64_t run_ns)
     c->mail_lead_ns = mail_ns - (step_ns > 0 ? run_ns : c->now_ns);
 }
 
-void clock_commit_begin(struct clock *c)
-{
-    MU_ASSERT(c->mode == CLOCK_COLLECTS);
-    c->mode = CLOCK_COMMITS;
-}
-
-void clock_commit_end(struct clock *c)
-{
-    MU_ASSERT(c->mode == CLOCK_COMMITS);
-    c->mode = CLOCK_COLLECTS;
-}
-
 uint64_t clock_then_ns(const struct clock *c, uint64_t shows_ns, uint64_t then_ns)
 {
     uint64_t ahead_ns = then_ns > shows_ns ? then_ns - shows_ns : 0;

@@ -182,6 +182,13 @@ void mailbox_withdraw(struct mailbox *m, uint32_t post)
 
 /* --- handing out ------------------------------------------------------------------------------ */
 
+static void post_fly(struct mailbox *m, struct box *box, uint32_t post)
+{
+    list_remove(m, box, post);
+    list_put(m, box, post, POST_FLIGHT, false);
+    box->out = box->out == MU_NONE ? post : box->out;
+}
+
 static void queue_hand_out(struct mailbox *m, struct box *box, enum post_list list, uint32_t window,
                            uint32_t *written)
 {
@@ -192,11 +199,7 @@ static void queue_hand_out(struct mailbox *m, struct box *box, enum post_list li
             return;
         }
         *written -= is_written;
-        list_remove(m, box, post);
-        list_put(m, box, post, POST_FLIGHT, false);
-        if (box->out == MU_NONE) {
-            box->out = post;
-        }
+        post_fly(m, box, post);
     }
 }
 
@@ -226,10 +229,7 @@ bool mailbox_next_is(struct mailbox *m, uint32_t agent, const struct mail *mail)
 void mailbox_hand_next(struct mailbox *m, uint32_t agent, const struct mail *mail)
 {
     struct box *box = mailbox_box(m, agent);
-    uint32_t post = mu_list_first(&box->lists[mailbox_queue(mail)].posts);
-    list_remove(m, box, post);
-    list_put(m, box, post, POST_FLIGHT, false);
-    box->out = box->out == MU_NONE ? post : box->out;
+    post_fly(m, box, mu_list_first(&box->lists[mailbox_queue(mail)].posts));
 }
 
 void mailbox_take_back(struct mailbox *m, uint32_t agent)

@@ -69,7 +69,7 @@ void broker_registration(struct broker *b, const muster_Registration *r, uint64_
     retire_tick(b);
     if (!validate_process_name(r->process)) {
         b->counters.malformed++;
-    } else if (r->is_broker || remote_is_broker(r->process)) {
+    } else if (r->is_broker || remote_name(r->process)) {
         federation_hear(b, r);
     } else {
         registration_take(b, r);
@@ -105,7 +105,8 @@ void broker_matched(struct broker *b, const char *process, bool matched, uint64_
     if (place == MU_NONE) {
         return;
     }
-    processes_set_matched(&b->processes, place, matched);
+    processes_session_on(&b->processes, place, matched ? SESSION_MATCHED : SESSION_UNMATCHED);
+    processes_turn_on(&b->processes, place, TURN_IS_RETRIED);
     if (matched) {
         place_matched(b, place);
         return;
@@ -153,7 +154,7 @@ static bool mail_is_next(struct broker *b, uint32_t sender, uint64_t first_seq, 
 {
     struct agent *a = &b->registry.agents[sender];
     if (first_seq > 0 && seq > first_seq && seq - 1 > a->seq.came) {
-        b->counters.gaps++;
+        b->gaps++;
         return false;
     }
     a->seq.came = seq > a->seq.came ? seq : a->seq.came;
@@ -215,7 +216,7 @@ static void ack_take(struct broker *b, uint32_t place, const muster_Ack *ack)
 static void acks_take(struct broker *b, uint32_t place, const muster_Up *up)
 {
     if (up->broker_incarnation != b->incarnation) {
-        b->counters.astray += up->acks._length;
+        b->astray += up->acks._length;
         return;
     }
     for (uint32_t i = 0; i < up->acks._length; i++) {

@@ -24,7 +24,7 @@ struct broker_options {
     uint32_t pid;
     uint64_t wall_ns;              /* nanoseconds since 1970 at now_ns == 0, for since_wall_ns */
     uint64_t delivery_interval_ns; /* between two rounds of the dispatcher; 0: at once */
-    bool audit;                    /* directives are recorded for broker_audit_next */
+    bool audit;                    /* directives are recorded for audit_next */
     uint32_t names;                /* so many at a time; MU_AGENTS_MAX when 0 */
     uint64_t name_expiry_ns;       /* a name that is absent for so long may end; 10 min when 0 */
     muster_BoxPolicy box_policy;   /* of boxes whose agents ask for nothing else */
@@ -124,9 +124,6 @@ void broker_up_sent(struct broker *b);
 /** @return whether an agent with a new name would be taken: names are kept when their agents go */
 bool broker_takes_names(const struct broker *b);
 
-/** Takes note of how its processes are reached. */
-void broker_ways(struct broker *b, const struct bus_ways *ways);
-
 /** Fills the counters; what only the process knows (processor time, memory) stays 0. */
 void broker_status(const struct broker *b, muster_BrokerStatus *status);
 
@@ -137,16 +134,6 @@ void broker_status(const struct broker *b, muster_BrokerStatus *status);
  * @return false past the last part
  */
 bool broker_part(struct broker *b, uint32_t part, muster_PartStatus *status);
-
-/** Sets the trust policy from the text of a file, before anything else.  As trust_read. */
-MU_MUST_USE mu_result broker_policy(struct broker *b, const char *text, const char *file,
-                                    struct mu_fault *fault);
-
-/** Takes the oldest record of a directive.  @return false when there is none */
-bool broker_audit_next(struct broker *b, struct audit_record *out);
-
-/** A record that was taken could not be written. */
-void broker_audit_failed(struct broker *b);
 
 /**
  * Gives the next page of the white pages in which a line has changed since it was last given.

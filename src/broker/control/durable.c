@@ -28,11 +28,12 @@ static void mails_committed(struct broker *b)
 /* @return whether a receiver may have it already: that is not to be undone */
 static bool mail_is_out(const struct broker *b, const struct mail *m)
 {
-    uint32_t post = mu_list_first(&m->posts);
-    while (post != MU_NONE && b->mailbox.posts[post].list != POST_FLIGHT) {
-        post = mailbox_sibling(&b->mailbox, post);
+    MU_LIST_EACH (post, &m->posts, MU_LINKS(b->mailbox.posts, links[LINKS_MAIL])) {
+        if (b->mailbox.posts[post].list == POST_FLIGHT) {
+            return true;
+        }
     }
-    return post != MU_NONE;
+    return false;
 }
 
 /* It needs no disk, until the next durable mail of its sender. */
@@ -177,16 +178,10 @@ static uint32_t agent_named(struct broker *b, const char *name)
 static void agents_named(struct broker *b, const char *names)
 {
     char name[MU_NAME_MAX + 1];
-    while (*names) {
-        size_t len = strcspn(names, ",/");
-        if (len <= MU_NAME_MAX) {
-            memcpy(name, names, len);
-            name[len] = '\0';
-            if (graveyard_find(&b->registry.graveyard, name)) {
-                (void)agent_named(b, name);
-            }
+    while (*names && mu_address_next(&names, name)) {
+        if (graveyard_find(&b->registry.graveyard, name)) {
+            (void)agent_named(b, name);
         }
-        names += names[len] == ',' ? len + 1 : strlen(names);
     }
 }
 
@@ -200,7 +195,7 @@ static uint64_t left_ns(const struct broker *b, const struct journal_entry *e)
 }
 
 /* Takes note of what was certain of its end, that stands behind a slash.
- * @return the names before it; NULL: there is no such end */
+ * @return the names before it; "": there is no such end */
 static const char *waiting_read(struct broker *b, struct mail *m, const char *waiting)
 {
     const char *slash = strchr(waiting, '/');
@@ -209,7 +204,7 @@ static const char *waiting_read(struct broker *b, struct mail *m, const char *wa
     }
     struct mu_text t = mu_text_in(b->journal.text, JOURNAL_WAITING_BYTES);
     mu_text_add_bytes(&t, waiting, (size_t)(slash - waiting));
-    return pool_mail_go_on(m, slash + 1) ? t.at : NULL;
+    return pool_mail_go_on(m, slash + 1) ? t.at : "";
 }
 
 static bool restore_mail(struct broker *b, const struct journal_entry *e)
@@ -235,9 +230,9 @@ static bool restore_mail(struct broker *b, const struct journal_entry *e)
     m->sender = m->payer = sender;
     m->row = e->row;
     (void)mail_durable_on(m, DURABLE_RESTORES);
-    agents_named(b, e->waiting);
     const char *waiting = waiting_read(b, m, e->waiting);
-    if (!deliver_restore(b, m, waiting ? waiting : "", left_ns(b, e))) {
+    agents_named(b, waiting);
+    if (!deliver_restore(b, m, waiting, left_ns(b, e))) {
         journal_failed(b, sender, &letter);
         return false;
     }

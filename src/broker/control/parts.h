@@ -23,16 +23,6 @@
 /* A line of the white pages as text, in bytes. */
 enum { BROKER_LINE_MAX = 384 };
 
-struct broker_counters {
-    uint64_t sent, delivered, waiting, expired, box_full, unknown_name, refused;
-    uint64_t duplicates_dropped, resent, malformed, dropped, over_share, no_store;
-    uint64_t gaps;     /* mails that came before an earlier one of their sender, and not taken */
-    uint64_t astray;   /* acknowledgements of the boxes of an earlier life */
-    uint64_t directed; /* directives let through, one a receiver, and changes in another's name */
-    uint64_t unspoken; /* changes in another's name that were refused: no mails */
-    struct bus_ways ways; /* to the processes */
-};
-
 struct broker {
     char name[MU_FIELD_MAX + 1];
     char place[MU_PROCESS_MAX + sizeof "broker."]; /* what it is to other brokers */
@@ -61,7 +51,12 @@ struct broker {
     struct journal journal;
     struct federation federation;
     struct retirement retirement;
-    struct broker_counters counters;
+    muster_BrokerStatus counters; /* what is known elsewhere, broker_status adds; besides: */
+    uint64_t gaps;     /* mails that came before an earlier one of their sender, and not taken */
+    uint64_t astray;   /* acknowledgements of the boxes of an earlier life */
+    uint64_t directed; /* directives let through, one a receiver, and changes in another's name */
+    uint64_t unspoken; /* changes in another's name that were refused: no mails */
+    struct bus_ways ways; /* to the processes */
     struct alerts alerts;
     struct limiter limiter;
     uint64_t orders;           /* mails routed */

@@ -4,32 +4,13 @@
 #include "broker/control/parts.h"
 #include "core/text.h"
 
-void broker_ways(struct broker *b, const struct bus_ways *ways)
-{
-    b->counters.ways = *ways;
-}
-
 void broker_status(const struct broker *b, muster_BrokerStatus *status)
 {
-    const struct broker_counters *c = &b->counters;
-    *status = (muster_BrokerStatus){.agents = b->registry.present,
-                                    .sent = c->sent,
-                                    .delivered = c->delivered,
-                                    .waiting = c->waiting,
-                                    .expired = c->expired,
-                                    .box_full = c->box_full,
-                                    .unknown_name = c->unknown_name,
-                                    .refused = c->refused,
-                                    .duplicates_dropped = c->duplicates_dropped,
-                                    .resent = c->resent,
-                                    .malformed = c->malformed,
-                                    .dropped = c->dropped,
-                                    .over_share = c->over_share,
-                                    .no_store = c->no_store,
-                                    .lockstep = b->steps.end,
-                                    .stored = b->pool.mails,
-                                    .oldest_ns =
-                                        arrivals_oldest_ns(&b->arrivals, clock_mail_ns(&b->clock))};
+    *status = b->counters;
+    status->agents = b->registry.present;
+    status->lockstep = b->steps.end;
+    status->stored = b->pool.mails;
+    status->oldest_ns = arrivals_oldest_ns(&b->arrivals, clock_mail_ns(&b->clock));
     status->broker = sample_text(b->name);
 }
 
@@ -50,22 +31,6 @@ bool broker_part(struct broker *b, uint32_t part, muster_PartStatus *status)
                                   .part = b->registry.agents[part].name,
                                   .counters = {count, count, b->part_counters, false}};
     return true;
-}
-
-mu_result broker_policy(struct broker *b, const char *text, const char *file,
-                        struct mu_fault *fault)
-{
-    return trust_read(&b->trust, text, file, fault);
-}
-
-bool broker_audit_next(struct broker *b, struct audit_record *out)
-{
-    return audit_next(&b->audit, out);
-}
-
-void broker_audit_failed(struct broker *b)
-{
-    b->audit.failed++;
 }
 
 static void line_write(const struct broker *b, uint32_t agent, char to[BROKER_LINE_MAX])
@@ -123,5 +88,7 @@ bool broker_event_next(struct broker *b, muster_BrokerEvent *out)
 
 uint32_t broker_samples_wanted(const struct broker *b)
 {
-    return b->probes.count > 0 ? 1 : steps_missing(&b->steps);
+    const struct steps *l = &b->steps;
+    bool awaits = b->probes.count == 0 && l->roster_count > l->answered;
+    return awaits ? l->roster_count - l->answered : 1;
 }

@@ -9,6 +9,21 @@
 
 /* --- the end of a step ------------------------------------------------------------------------ */
 
+/* A step ends: notes what has been counted until now.  What a process acknowledges later, when it
+ * has seen that no step follows, may come before the lock step has ended, or after it. */
+static void counts_note(struct broker *b)
+{
+    const muster_BrokerStatus *c = &b->counters;
+    b->steps.so_far =
+        (muster_LockstepEnd){.ended = b->steps.end.ended + 1,
+                             .sent = c->sent,
+                             .delivered = c->delivered,
+                             .waiting = c->waiting,
+                             .expired = c->expired,
+                             .refused = c->box_full + c->over_share + c->unknown_name + c->refused +
+                                        c->dropped + c->no_store};
+}
+
 /* Everything of the step takes effect, and the next step begins. */
 static void step_end(struct broker *b)
 {
@@ -16,7 +31,7 @@ static void step_end(struct broker *b)
     l->step++;
     b->clock.run_ns = (uint64_t)l->step * b->clock.step_ns;
     step_apply(b);
-    steps_note_counts(b);
+    counts_note(b);
     l->answered = 0;
     for (uint32_t i = 0; i < l->roster_count; i++) {
         steps_role_on(b, l->roster[i], ROLE_STEP_ENDS);
@@ -171,13 +186,15 @@ static void roster_grow(struct broker *b, const muster_Roster *roster, bool in_m
     }
 }
 
-/* Agents whose mail waited for a process that was to come get it. */
+/* The run is held for a process that is to come, or is so no longer: agents whose mail waited for
+ * that get it. */
 static void lockstep_hold(struct broker *b, bool held)
 {
     bool ends = b->steps.held && !held;
-    steps_set_held(b, held);
-    for (uint32_t agent = 0; ends && agent < b->registry.count; agent++) {
-        if (!scope_is_inside(b->registry.agents[agent].scope)) {
+    b->steps.held = held;
+    for (uint32_t agent = REGISTRY_OWN; agent < b->registry.count; agent++) {
+        steps_rescope(b, agent);
+        if (ends && !scope_is_inside(b->registry.agents[agent].scope)) {
             processes_wake_agent(&b->registry, &b->processes, agent);
         }
     }
@@ -227,13 +244,13 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
     run_forget(b);
     route_resolve_expire(b, UINT64_MAX); /* no question from before has a place in it */
     clock_start(&b->clock, roster->step_ns, (uint64_t)roster->step * roster->step_ns);
-    steps_set_held(b, roster->held);
+    lockstep_hold(b, roster->held);
     l->step = roster->step;
     l->simulator = simulator;
     steps_role_on(b, simulator, ROLE_SIMULATES);
     roster_grow(b, roster, false);
     outcome_admit_due(b, clock_run_ns(&b->clock));
-    steps_note_counts(b);
+    counts_note(b);
     l->version = l->start_version = b->registry.changes.version;
     for (uint32_t i = 0; i < l->roster_count; i++) {
         struct process *at = &b->processes.at[l->roster[i]];

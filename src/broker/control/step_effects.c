@@ -2,6 +2,7 @@
 /* What was kept until a step ends takes effect, in a fixed order. */
 #include "broker/control/step.h"
 #include "broker/membership/membership.h"
+#include "core/sort.h"
 
 static void acks_apply(struct broker *b)
 {
@@ -61,11 +62,46 @@ static void outside_take(struct broker *b, struct turn *turn)
     }
 }
 
+/* @return how many mails of one sender have room in a step if all senders get as much */
+static uint32_t outside_share(const struct steps *l)
+{
+    uint32_t senders = 0;
+    for (uint32_t i = 0; i < l->active_count; i++) {
+        senders += l->turns[l->active[i]].outside.first != NULL;
+    }
+    return senders < STEPS_OUTSIDE_MAX ? STEPS_OUTSIDE_MAX / (senders + !senders) : 1;
+}
+
+/* @return how many have room beyond the shares: of the first sender by name */
+static uint32_t outside_spare(const struct steps *l, uint32_t share)
+{
+    uint32_t used = l->told_count;
+    for (uint32_t i = 0; i < l->active_count; i++) {
+        uint32_t count = l->turns[l->active[i]].outside.count;
+        used += count < share ? count : share;
+    }
+    return used < STEPS_OUTSIDE_MAX ? STEPS_OUTSIDE_MAX - used : 0;
+}
+
+/* The next step begins with what is left. */
+static void turns_close(struct steps *l)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < l->active_count; i++) {
+        struct turn *turn = &l->turns[l->active[i]];
+        turn->active = turn->outside.first != NULL;
+        if (turn->active) {
+            l->active[kept++] = l->active[i];
+        }
+    }
+    l->active_count = kept;
+}
+
 /* Those that have room go in order of (sender, number), as a recording is put in again. */
 static void outside_apply(struct broker *b)
 {
     struct steps *l = &b->steps;
-    uint32_t share = steps_outside_share(l), spare = steps_outside_spare(l, share);
+    uint32_t share = outside_share(l), spare = outside_spare(l, share);
     for (uint32_t i = 0; i < l->active_count && l->outside_waiting > 0; i++) {
         struct turn *turn = &l->turns[l->active[i]];
         uint32_t left = share;
@@ -98,9 +134,12 @@ static void replays_keep(struct broker *b, uint64_t run_ns)
 
 void step_apply(struct broker *b)
 {
-    clock_commit_begin(&b->clock);
+    struct steps *l = &b->steps;
+    MU_ASSERT(b->clock.mode == CLOCK_COLLECTS);
+    b->clock.mode = CLOCK_COMMITS;
     replays_keep(b, clock_run_ns(&b->clock));
-    steps_order_turns(b);
+    /* What was collected first depends on the clock; what takes effect first does not. */
+    mu_sort(l->active, l->active_count, sizeof l->active[0], registry_compare, &b->registry);
     acks_apply(b);
     outcome_expire(b, clock_mail_ns(&b->clock));
     notify_expire(b, clock_mail_ns(&b->clock));
@@ -108,7 +147,7 @@ void step_apply(struct broker *b)
     mails_apply(b);
     outside_apply(b);
     route_resolve_expire(b, clock_mail_ns(&b->clock));
-    steps_close_turns(&b->steps);
+    turns_close(l);
     outcome_admit_due(b, clock_run_ns(&b->clock));
-    clock_commit_end(&b->clock);
+    b->clock.mode = CLOCK_COLLECTS;
 }

@@ -60,8 +60,9 @@ static uint64_t earliest_ns(const uint64_t *times_ns, size_t count)
 static uint64_t mail_deadline_ns(const struct broker *b)
 {
     const struct mail *expiry = timers_first(&b->expiry);
-    const uint64_t times_ns[] = {expiry ? expiry->at_ns[TIMERS_EXPIRY] : UINT64_MAX,
-                                 b->pages.services.soonest_ns, resolve_deadline_mail_ns(b)};
+    const uint64_t times_ns[] = {
+        expiry ? expiry->at_ns[TIMERS_EXPIRY] : UINT64_MAX, b->pages.services.soonest_ns,
+        b->resolve.waits_asked.count > 0 ? b->resolve.soonest_ns : UINT64_MAX};
     uint64_t first_ns = earliest_ns(times_ns, sizeof times_ns / sizeof times_ns[0]);
     return first_ns != UINT64_MAX ? clock_then_ns(&b->clock, clock_mail_ns(&b->clock), first_ns)
                                   : UINT64_MAX;
@@ -84,7 +85,8 @@ uint64_t broker_deadline_ns(const struct broker *b)
                                  dispatch_deadline_ns(b),
                                  snapshots_deadline_ns(b),
                                  limiter_deadline_ns(&b->limiter),
-                                 outcome_deadline_ns(b),
+                                 b->journal.awaits_ns,
+                                 b->journal.failing ? b->journal.retry_ns : UINT64_MAX,
                                  remote_deadline_ns(b),
                                  announce_deadline_ns(b),
                                  retire_deadline_ns(b),

@@ -118,10 +118,12 @@ static void welcome_add(struct broker *b, struct dispatch_part *part, muster_Del
 static void refusals_fill(struct broker *b, struct process *at, muster_Delivery *d)
 {
     for (uint32_t i = 0; i < at->refusals_count; i++) {
-        muster_Verdict *v = &d->verdicts._buffer[d->verdicts._length++];
-        *v = (muster_Verdict){.agent = at->refusals[i].name, .broker_incarnation = b->incarnation};
-        v->code = at->refusals[i].code;
-        v->reason = sample_text(at->refusals[i].reason);
+        struct refusal *r = &at->refusals[i];
+        d->verdicts._buffer[d->verdicts._length++] =
+            (muster_Verdict){.agent = r->name,
+                             .code = r->code,
+                             .reason = r->reason,
+                             .broker_incarnation = b->incarnation};
     }
 }
 

@@ -64,8 +64,8 @@ bool guard_speaks(struct broker *b, const struct mail *m, uint32_t agent, const 
         allowed = trust_allows(&b->trust, &who, &whom);
     }
     audit_receiver(record_begin(b, m, allowed), receiver);
-    b->counters.directed += allowed;
-    b->counters.unspoken += !allowed;
+    b->directed += allowed;
+    b->unspoken += !allowed;
     return allowed;
 }
 
@@ -102,7 +102,7 @@ uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, ui
         }
     }
     *count = numbers[true];
-    b->counters.directed += numbers[true];
+    b->directed += numbers[true];
     b->counters.refused += numbers[false];
     return numbers[false];
 }

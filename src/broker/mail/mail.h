@@ -174,9 +174,6 @@ void outcome_await(struct broker *b, uint32_t agent);
 /** An agent that has not come back by now is not awaited any more. */
 void outcome_await_tick(struct broker *b);
 
-/** @return when outcome_await_tick, or a failed commit, is due, or UINT64_MAX */
-uint64_t outcome_deadline_ns(const struct broker *b);
-
 /* --- deliver.c ------------------------------------------------------------------------------- */
 
 /* A mail whose receivers are known goes into their boxes, as far as there is room for it. */
@@ -329,8 +326,5 @@ uint32_t resolve_overdue(struct broker *b, uint64_t mail_ns);
  * @return it, or NULL
  */
 struct mail *resolve_next_ready(struct broker *b, uint32_t sender, struct mail **answer);
-
-/** @return when resolve_overdue is needed next, mail clock; UINT64_MAX: never */
-uint64_t resolve_deadline_mail_ns(const struct broker *b);
 
 #endif

@@ -160,23 +160,29 @@ void outcome_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
     }
 }
 
+/* A mail leaves all boxes in which it waits. */
+static void posts_leave(struct broker *b, struct mail *m, enum mail_fate fate, uint64_t *counter)
+{
+    uint32_t next = MU_NONE;
+    pool_keep(m);
+    for (uint32_t post = mu_list_first(&m->posts); post != MU_NONE; post = next) {
+        next = mailbox_sibling(&b->mailbox, post);
+        if (b->mailbox.posts[post].list != POST_FLIGHT) {
+            mailbox_withdraw(&b->mailbox, post);
+            ++*counter;
+            mail_meets(m, fate);
+            outcome_settle(b, m);
+        }
+    }
+    pool_release(&b->pool, m);
+}
+
 void outcome_expire(struct broker *b, uint64_t mail_ns)
 {
     struct mail *m;
     while ((m = timers_first(&b->expiry)) && m->at_ns[TIMERS_EXPIRY] <= mail_ns) {
         timers_remove(&b->expiry, m);
-        uint32_t next = MU_NONE;
-        pool_keep(m);
-        for (uint32_t post = mu_list_first(&m->posts); post != MU_NONE; post = next) {
-            next = mailbox_sibling(&b->mailbox, post);
-            if (b->mailbox.posts[post].list != POST_FLIGHT) {
-                mailbox_withdraw(&b->mailbox, post);
-                b->counters.expired++;
-                mail_meets(m, FATE_EXPIRED);
-                outcome_settle(b, m);
-            }
-        }
-        pool_release(&b->pool, m);
+        posts_leave(b, m, FATE_EXPIRED, &b->counters.expired);
     }
 }
 
@@ -192,25 +198,13 @@ void outcome_on_disk(struct broker *b, struct mail *m)
 
 void outcome_undo(struct broker *b, struct mail *m)
 {
-    uint32_t next = MU_NONE;
     outcome_end(b, m, muster_OUTCOME_NO_STORE);
-    for (uint32_t post = mu_list_first(&m->posts); post != MU_NONE; post = next) {
-        next = mailbox_sibling(&b->mailbox, post);
-        mailbox_withdraw(&b->mailbox, post);
-        b->counters.no_store++;
-        outcome_settle(b, m);
-    }
+    posts_leave(b, m, FATE_DROPPED, &b->counters.no_store);
 }
 
 /* So long the broker keeps receipts for senders of an earlier life of it, and for those that have
  * fallen silent: they may come back. */
 static const uint64_t AWAIT_NS = 10000000000;
-
-uint64_t outcome_deadline_ns(const struct broker *b)
-{
-    uint64_t retry_ns = b->journal.failing ? b->journal.retry_ns : UINT64_MAX;
-    return b->journal.awaits_ns < retry_ns ? b->journal.awaits_ns : retry_ns;
-}
 
 static void await_until(struct journal *j, uint64_t until_ns)
 {

@@ -179,8 +179,3 @@ uint32_t resolve_overdue(struct broker *b, uint64_t mail_ns)
     r->soonest_ns = soonest_ns;
     return MU_NONE;
 }
-
-uint64_t resolve_deadline_mail_ns(const struct broker *b)
-{
-    return mu_list_first(&b->resolve.waits_asked) != MU_NONE ? b->resolve.soonest_ns : UINT64_MAX;
-}

@@ -14,21 +14,14 @@ static const uint64_t HOST_NS = 3000000000;
  * long. */
 static const uint64_t LOSS_NS = 1000000000;
 
-static uint32_t snapshot_find(const struct broker *b, uint32_t agent)
-{
-    const struct snapshots *d = &b->snapshots;
-    SNAPSHOTS_EACH (c, d) {
-        if (c->phase != SNAPSHOT_FREE && c->agent == agent) {
-            return (uint32_t)(c - d->snapshots);
-        }
-    }
-    return MU_NONE;
-}
-
 static struct snapshot *snapshot_of(struct broker *b, uint32_t agent)
 {
-    uint32_t i = snapshot_find(b, agent);
-    return i != MU_NONE ? &b->snapshots.snapshots[i] : NULL;
+    SNAPSHOTS_EACH (c, &b->snapshots) {
+        if (c->phase != SNAPSHOT_FREE && c->agent == agent) {
+            return c;
+        }
+    }
+    return NULL;
 }
 
 /* @return whether it is at its host, whose word is awaited */
@@ -315,15 +308,15 @@ bool snapshots_overrule(const struct broker *b, uint32_t agent, uint32_t place,
     return false;
 }
 
-bool snapshots_keep(const struct broker *b, uint32_t agent)
+bool snapshots_keep(struct broker *b, uint32_t agent)
 {
-    return snapshot_find(b, agent) != MU_NONE;
+    return snapshot_of(b, agent) != NULL;
 }
 
-bool snapshots_have_later(const struct broker *b, uint32_t agent, uint64_t epoch)
+bool snapshots_have_later(struct broker *b, uint32_t agent, uint64_t epoch)
 {
-    uint32_t i = snapshot_find(b, agent);
-    return i != MU_NONE && epoch > 0 && b->snapshots.snapshots[i].epoch > epoch;
+    const struct snapshot *c = snapshot_of(b, agent);
+    return c && epoch > 0 && c->epoch > epoch;
 }
 
 uint64_t snapshots_deadline_ns(const struct broker *b)

@@ -96,10 +96,10 @@ bool snapshots_overrule(const struct broker *b, uint32_t agent, uint32_t place,
                         const struct presence *is);
 
 /** @return whether a copy of an agent is kept here */
-bool snapshots_keep(const struct broker *b, uint32_t agent);
+bool snapshots_keep(struct broker *b, uint32_t agent);
 
 /** @return whether a later copy of an agent that no process has is kept here */
-bool snapshots_have_later(const struct broker *b, uint32_t agent, uint64_t epoch);
+bool snapshots_have_later(struct broker *b, uint32_t agent, uint64_t epoch);
 
 /** @return when transfer_tick is needed next, or UINT64_MAX */
 uint64_t snapshots_deadline_ns(const struct broker *b);

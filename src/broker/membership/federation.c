@@ -198,19 +198,10 @@ static void entry_take(struct broker *b, struct peer *p, const muster_Entry *e, 
         }
         return;
     }
-    uint32_t hops = e->hops < MU_DISTANCE_MAX ? e->hops + 1 : MU_DISTANCE_MAX + 1;
     struct presence *is = &route->is;
     *route = (struct route){.present = present, .slot = slot, .last_seq = e->last_seq};
-    *is = (struct presence){.kind = e->kind,
-                            .state = e->state,
-                            .no_broadcasts = e->no_broadcasts,
-                            .hops = hops,
-                            .since_wall_ns = e->since_wall_ns,
-                            .pid = e->pid,
-                            .busy_since_wall_ns = e->busy_since_wall_ns};
-    (void)mu_text_copy(is->home, sizeof is->home, e->home);
-    (void)mu_text_copy(is->host, sizeof is->host, e->host);
-    (void)mu_text_copy(is->reason, sizeof is->reason, e->reason ? e->reason : "");
+    registration_presence(e, e->host, e->pid, is);
+    is->hops = e->hops < MU_DISTANCE_MAX ? e->hops + 1 : MU_DISTANCE_MAX + 1;
     if (!present && strcmp(is->reason, muster_REASON_DISPOSED) == 0 && a->process != MU_NONE &&
         strcmp(a->place, p->place) == 0) {
         registry_named_on(&b->registry, agent, NAMED_DISPOSED);
@@ -227,7 +218,7 @@ static bool peer_is_over(const struct broker *b, const struct peer *p)
 
 void federation_hear(struct broker *b, const muster_Registration *r)
 {
-    const char *name = remote_is_broker(r->process) ? remote_name(r->process) : NULL;
+    const char *name = remote_name(r->process);
     if (r->wire != muster_WIRE || !r->is_broker || !mu_name_valid(name)) {
         b->counters.malformed++;
         return;

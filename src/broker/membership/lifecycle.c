@@ -5,10 +5,13 @@
 
 #include <string.h>
 
-const char *lifecycle_holder(struct broker *b, uint32_t agent)
+void lifecycle_refuse_held(struct broker *b, uint32_t agent, uint32_t place, const char *home)
 {
-    const char *home = b->registry.agents[agent].is.home;
-    return home[0] ? remote_holder(b, home) : "held by another participant";
+    char reason[MU_FIELD_MAX + 1];
+    struct mu_text t = mu_text_in(reason, sizeof reason);
+    mu_text_format(&t, "held by another participant%s%s", home[0] ? " at " : "", home);
+    processes_refuse(&b->processes, place, b->registry.agents[agent].name, muster_REFUSAL_NAME_HELD,
+                     reason);
 }
 
 static struct claim claim_take(struct broker *b, uint32_t index)
@@ -32,14 +35,6 @@ static bool is_out_of_date(const struct presence *copy, const struct presence *n
     return copy->epoch > 0 && copy->epoch < now->epoch;
 }
 
-static void claim_refuse(struct broker *b, uint32_t index, muster_Refusal code, const char *reason)
-{
-    const struct claim *claim = &b->claims.at[index];
-    processes_refuse(&b->processes, claim->process, b->registry.agents[claim->agent].name, code,
-                     reason);
-    lifecycle_end_claim(b, index);
-}
-
 /* Its holder waits for the name no longer, and may have moved on from copies that do. */
 static void claims_review(struct broker *b, uint32_t agent)
 {
@@ -50,7 +45,9 @@ static void claims_review(struct broker *b, uint32_t agent)
         if (b->claims.at[i].process == a->process) {
             lifecycle_end_claim(b, i);
         } else if (is_out_of_date(&b->claims.at[i].presence, &a->is)) {
-            claim_refuse(b, i, muster_REFUSAL_OUT_OF_DATE, "out of date");
+            processes_refuse(&b->processes, b->claims.at[i].process, a->name,
+                             muster_REFUSAL_OUT_OF_DATE, "out of date");
+            lifecycle_end_claim(b, i);
         }
     }
 }
@@ -89,8 +86,7 @@ void lifecycle_claim(struct broker *b, uint32_t agent, uint32_t place, uint32_t 
     } else if (claims_add(&b->claims, &a->claim, &claim)) {
         b->processes.at[place].claims++;
     } else {
-        processes_refuse(&b->processes, place, a->name, muster_REFUSAL_NAME_HELD,
-                         lifecycle_holder(b, agent));
+        lifecycle_refuse_held(b, agent, place, a->is.home);
     }
 }
 
@@ -130,10 +126,12 @@ void lifecycle_tick(struct broker *b)
 {
     while (lifecycle_deadline_ns(b) <= b->clock.now_ns) {
         uint32_t index = mu_list_first(&b->claims.list), agent = b->claims.at[index].agent;
-        if (b->registry.agents[agent].process == MU_NONE) {
+        const struct agent *a = &b->registry.agents[agent];
+        if (a->process == MU_NONE) {
             claims_grant(b, agent); /* the agent that the name was kept for has not come */
         } else {
-            claim_refuse(b, index, muster_REFUSAL_NAME_HELD, lifecycle_holder(b, agent));
+            lifecycle_refuse_held(b, agent, b->claims.at[index].process, a->is.home);
+            lifecycle_end_claim(b, index);
         }
     }
 }
@@ -237,7 +235,11 @@ void lifecycle_depart(struct broker *b, uint32_t agent)
 
 void lifecycle_set_state(struct broker *b, uint32_t agent, muster_State state)
 {
-    if (registry_set_state(&b->registry, agent, state, clock_wall_ns(&b->clock))) {
+    struct agent *a = &b->registry.agents[agent];
+    if (a->is.state != state) {
+        a->is.state = state;
+        a->since_wall_ns = clock_wall_ns(&b->clock);
+        registry_touch(&b->registry, agent);
         names_changed(b);
         processes_wake_agent(&b->registry, &b->processes, agent);
     }
@@ -294,15 +296,6 @@ void lifecycle_settle(struct broker *b, uint32_t place)
     }
 }
 
-/* An agent of this broker has to give its name to one that has had it longer. */
-static void clash_lose(struct broker *b, uint32_t agent, const struct route *route)
-{
-    const struct agent *a = &b->registry.agents[agent];
-    b->federation.count.clashes++;
-    processes_refuse(&b->processes, a->process, a->name, muster_REFUSAL_NAME_HELD,
-                     remote_holder(b, route->is.home));
-}
-
 static void route_use(struct broker *b, uint32_t agent, const struct peer *p)
 {
     const struct agent *a = &b->registry.agents[agent];
@@ -331,7 +324,9 @@ static void route_choose(struct broker *b, uint32_t agent, bool echoes)
     const struct route *route = p ? &p->routes[agent] : NULL;
     if (is_here) {
         if (route && route->is.since_wall_ns < a->is.since_wall_ns && !scope_is_inside(a->scope)) {
-            clash_lose(b, agent, route);
+            /* An agent of this broker has to give its name to one that has had it longer. */
+            b->federation.count.clashes++;
+            lifecycle_refuse_held(b, agent, a->process, route->is.home);
             route_use(b, agent, p);
         }
         return;

@@ -50,8 +50,8 @@ void lifecycle_end_claim(struct broker *b, uint32_t index);
 void lifecycle_claim(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
                      const struct presence *is);
 
-/** @return the holder of a name, as the reason of a refusal */
-const char *lifecycle_holder(struct broker *b, uint32_t agent);
+/** A process does not get a name, which an agent at another broker has, or (home "") one here. */
+void lifecycle_refuse_held(struct broker *b, uint32_t agent, uint32_t place, const char *home);
 
 /** It is the last bearer itself, which has set out for there. */
 bool lifecycle_is_copy(const struct agent *a, const struct presence *is);
@@ -62,6 +62,10 @@ bool lifecycle_is_copy(const struct agent *a, const struct presence *is);
 
 /** Takes what a process says of one part of its agents. */
 void registration_take(struct broker *b, const muster_Registration *r);
+
+/** What an entry says of an agent of that process, or of one beyond another broker. */
+void registration_presence(const muster_Entry *e, const char *host, uint32_t pid,
+                           struct presence *is);
 
 /** A process has taken back a part, or (crashed) it is not written for any more. */
 void registration_gone(struct broker *b, uint32_t place, uint32_t part, bool crashed);

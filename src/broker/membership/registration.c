@@ -63,7 +63,8 @@ static void shown_copy(char to[MU_FIELD_MAX + 1], const char *text, char least)
     }
 }
 
-static void presence_of(const muster_Registration *r, const muster_Entry *e, struct presence *is)
+void registration_presence(const muster_Entry *e, const char *host, uint32_t pid,
+                           struct presence *is)
 {
     *is = (struct presence){.kind = e->kind,
                             .state = e->state,
@@ -75,12 +76,12 @@ static void presence_of(const muster_Registration *r, const muster_Entry *e, str
                             .since_wall_ns = e->since_wall_ns,
                             .epoch = e->epoch,
                             .newcomer = e->newcomer,
-                            .pid = r->pid,
+                            .pid = pid,
                             .busy_since_wall_ns = e->busy_since_wall_ns};
     (void)mu_text_copy(is->home, sizeof is->home, e->home);
     /* The host stands in lines whose fields a space parts, the reason is words of rules. */
-    shown_copy(is->host, e->kind == muster_KIND_HOST ? "" : r->host, '!');
-    shown_copy(is->reason, e->reason ? e->reason : "", ' ');
+    shown_copy(is->host, e->kind == muster_KIND_HOST ? "" : host, '!');
+    shown_copy(is->reason, e->reason, ' ');
 }
 
 /* A broker that has just begun, and knows of no bearer, gives a name to the first process that
@@ -120,8 +121,7 @@ static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uin
                a->is.since_wall_ns == is->since_wall_ns) { /* it has moved here */
         lifecycle_move(b, agent, place, slot, is);
     } else if (outlived_a_broker(b, agent, is)) {
-        processes_refuse(&b->processes, a->process, a->name, muster_REFUSAL_NAME_HELD,
-                         lifecycle_holder(b, agent));
+        lifecycle_refuse_held(b, agent, a->process, a->is.home);
         lifecycle_move(b, agent, place, slot, is);
     } else {
         lifecycle_claim(b, agent, place, slot, is);
@@ -164,8 +164,7 @@ static void entry_take(struct broker *b, uint32_t place, const muster_Registrati
     uint32_t agent = objection ? MU_NONE : registry_find(&b->registry, e->name);
     if (e->state == muster_STATE_ABSENT) {
         if (agent != MU_NONE) {
-            slot_leave(b, agent, place, slot,
-                       e->reason && strcmp(e->reason, muster_REASON_DISPOSED) == 0);
+            slot_leave(b, agent, place, slot, strcmp(e->reason, muster_REASON_DISPOSED) == 0);
         }
         return;
     }
@@ -183,7 +182,7 @@ static void entry_take(struct broker *b, uint32_t place, const muster_Registrati
         return;
     }
     struct presence is;
-    presence_of(r, e, &is);
+    registration_presence(e, r->host, r->pid, &is);
     presence_admit(b, agent, place, slot, &is);
 }
 
@@ -192,8 +191,8 @@ static void agents_leave(struct broker *b, uint32_t place, uint32_t part,
                          const muster_Registration *now)
 {
     uint32_t next = MU_NONE;
-    for (uint32_t agent = processes_first_agent_of(&b->processes, place, part); agent != MU_NONE;
-         agent = next) {
+    const struct mu_list *agents = &b->processes.at[place].parts[part];
+    for (uint32_t agent = mu_list_first(agents); agent != MU_NONE; agent = next) {
         next = processes_next_agent_of(&b->registry, agent);
         const struct agent *a = &b->registry.agents[agent];
         if (!now || slot_is_others(now, a->resident.slot, a->name)) {

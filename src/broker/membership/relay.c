@@ -102,7 +102,7 @@ static void parcel_take(struct broker *b, struct peer *p, const muster_Parcel *p
     }
     if (parcel->number !=
         p->taken[agent] + 1) { /* the neighbour will begin at the lost one again */
-        b->counters.gaps++;
+        b->gaps++;
         return;
     }
     ack_owe(p, agent);

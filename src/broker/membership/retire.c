@@ -158,22 +158,16 @@ static void box_clear(struct broker *b, uint32_t agent)
     }
 }
 
-/* Its groups and services go, as the broker at which it lived says to the others. */
-static void lines_clear(struct broker *b, const char *name)
+/* Its groups or services go, as the broker at which it lived says to the others. */
+static void lines_clear(struct broker *b, struct lines *l, const char *name, request_change *leave)
 {
-    struct lines *g = &b->pages.groups, *s = &b->pages.services;
     struct said said = view_said(b);
-    for (uint32_t i = 0; i < g->pairs.count; i++) {
-        if (strcmp(mu_pairs_second(&g->pairs, g->pairs.order[i]), name) == 0) {
-            (void)groups_leave(g, mu_pairs_first(&g->pairs, g->pairs.order[i]), name, &said);
+    for (uint32_t i = 0; i < l->pairs.count; i++) {
+        uint32_t line = l->pairs.order[i];
+        if (strcmp(mu_pairs_second(&l->pairs, line), name) == 0) {
+            (void)leave(l, mu_pairs_first(&l->pairs, line), name, &said);
         }
     }
-    for (uint32_t i = 0; i < s->pairs.count; i++) {
-        if (strcmp(mu_pairs_second(&s->pairs, s->pairs.order[i]), name) == 0) {
-            (void)services_withdraw(s, mu_pairs_first(&s->pairs, s->pairs.order[i]), name, &said);
-        }
-    }
-    notify_tell(b);
 }
 
 static void subscriptions_clear(struct broker *b, const char *name)
@@ -195,7 +189,9 @@ static void name_clear(struct broker *b, uint32_t agent)
     }
     box_clear(b, agent);
     if (a->is.home[0] == '\0') {
-        lines_clear(b, a->name);
+        lines_clear(b, &b->pages.groups, a->name, groups_leave);
+        lines_clear(b, &b->pages.services, a->name, services_withdraw);
+        notify_tell(b);
     }
     subscriptions_clear(b, a->name);
     receipts_drop(&b->receipts, agent, receipts_count(&b->receipts, agent));

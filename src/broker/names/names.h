@@ -177,9 +177,6 @@ void registry_unseat(struct registry *r, uint32_t agent, uint64_t wall_ns);
 bool registry_update(struct registry *r, uint32_t agent, const struct presence *presence,
                      uint64_t wall_ns);
 
-/** @return whether the state changed */
-bool registry_set_state(struct registry *r, uint32_t agent, muster_State state, uint64_t wall_ns);
-
 /** @return the number that a new process of that name goes on after */
 uint64_t registry_last_seq(const struct agent *a);
 

@@ -38,16 +38,11 @@ static const unsigned char next_turn[TURNS][TURN_EVENTS] = {
 
 /* --- places ----------------------------------------------------------------------------------- */
 
+/* A process that was turned down and never met makes way, but only when its place is wanted. */
 static bool place_is_needed(const struct process *at)
 {
     return at->agents_count > 0 || at->claims > 0 || at->scope > 0 || processes_is_matched(at) ||
            at->speaks || (at->kind == PROCESS_BROKER && !processes_is_silent(at));
-}
-
-/* A process that was turned down and never met: makes way only when its place is wanted. */
-static bool place_is_spare(const struct process *at)
-{
-    return at->session == SESSION_FREE || !place_is_needed(at);
 }
 
 static bool is_unmatched(const struct process *at)
@@ -99,7 +94,7 @@ static uint32_t place_free(struct processes *p)
             }
         }
         for (uint32_t i = 0; i < p->top; i++) {
-            if (place_is_spare(&p->at[i])) {
+            if (!place_is_needed(&p->at[i])) {
                 place_forget(p, i);
                 return i;
             }
@@ -140,12 +135,6 @@ void processes_tidy(struct processes *p, uint32_t place)
     }
 }
 
-void processes_set_matched(struct processes *p, uint32_t place, bool matched)
-{
-    processes_session_on(p, place, matched ? SESSION_MATCHED : SESSION_UNMATCHED);
-    processes_turn_on(p, place, TURN_IS_RETRIED);
-}
-
 /* What is no UTF-8 would break readers of the answer. */
 static void refusal_name(char to[MU_PROCESS_MAX + 1], const char *name)
 {
@@ -177,7 +166,7 @@ void processes_refuse(struct processes *p, uint32_t place, const char *name, mus
     }
     memcpy(at->refusals[i].name, cut, sizeof cut);
     at->refusals[i].code = code;
-    at->refusals[i].reason = reason;
+    (void)mu_text_copy(at->refusals[i].reason, sizeof at->refusals[i].reason, reason);
     at->refusals_count += i == at->refusals_count;
 }
 
@@ -242,11 +231,6 @@ void processes_remove_agent(struct registry *r, struct processes *p, uint32_t ag
     queue_remove(r, at, RESIDENT_STIRRED, agent);
     (void)mu_list_remove(&at->parts[a->resident.slot / MU_PART_AGENTS], part_links(r), agent);
     at->agents_count--;
-}
-
-uint32_t processes_first_agent_of(const struct processes *p, uint32_t place, uint32_t part)
-{
-    return mu_list_first(&p->at[place].parts[part]);
 }
 
 uint32_t processes_next_agent_of(const struct registry *r, uint32_t agent)

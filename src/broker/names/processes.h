@@ -27,7 +27,7 @@ _Static_assert(MU_LOCAL_AGENTS_MAX % MU_PART_AGENTS == 0, "a process has whole p
 struct refusal {
     char name[MU_PROCESS_MAX + 1]; /* as it came, perhaps no valid name at all; cut if long */
     muster_Refusal code;
-    const char *reason;
+    char reason[2 * MU_FIELD_MAX];
 };
 
 /* Queues of a place, for agents that may have something to be told: until they are served, and
@@ -137,8 +137,6 @@ uint32_t processes_get(struct processes *p, const char *name);
 /** Forgets a process, unless it is needed. */
 void processes_tidy(struct processes *p, uint32_t place);
 
-void processes_set_matched(struct processes *p, uint32_t place, bool matched);
-
 /** Something happens to the reader or the writer of a process; our own code aborts if it cannot. */
 void processes_session_on(struct processes *p, uint32_t place, enum session_event event);
 
@@ -183,9 +181,8 @@ void processes_add_agent(struct registry *r, struct processes *p, uint32_t place
 /** An agent leaves its place. */
 void processes_remove_agent(struct registry *r, struct processes *p, uint32_t agent);
 
-/** @return the first agent of a place, or of a part of it, or MU_NONE */
+/** @return the first agent of a place, or MU_NONE */
 uint32_t processes_first_agent(const struct processes *p, uint32_t place);
-uint32_t processes_first_agent_of(const struct processes *p, uint32_t place, uint32_t part);
 
 /** @return the next agent of the same place, or of the same part, or MU_NONE */
 uint32_t processes_next_agent(const struct registry *r, const struct processes *p, uint32_t agent);

@@ -226,18 +226,6 @@ bool registry_update(struct registry *r, uint32_t agent, const struct presence *
     return true;
 }
 
-bool registry_set_state(struct registry *r, uint32_t agent, muster_State state, uint64_t wall_ns)
-{
-    struct agent *a = &r->agents[agent];
-    if (a->is.state == state) {
-        return false;
-    }
-    a->is.state = state;
-    a->since_wall_ns = wall_ns;
-    registry_touch(r, agent);
-    return true;
-}
-
 int registry_compare(const void *x, const void *y, const void *registry)
 {
     const uint32_t *one = x, *other = y;

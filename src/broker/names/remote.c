@@ -12,14 +12,9 @@ enum { PREFIX_LEN = sizeof PREFIX - 1 };
 
 static const uint64_t PAUSE_NS = FEDERATION_PAUSE_MS * 1000000ull;
 
-bool remote_is_broker(const char *process)
-{
-    return strncmp(process, PREFIX, PREFIX_LEN) == 0;
-}
-
 const char *remote_name(const char *process)
 {
-    return process + PREFIX_LEN;
+    return strncmp(process, PREFIX, PREFIX_LEN) == 0 ? process + PREFIX_LEN : NULL;
 }
 
 struct peer *remote_peer(struct broker *b, const char *name)
@@ -30,24 +25,6 @@ struct peer *remote_peer(struct broker *b, const char *name)
         }
     }
     return NULL;
-}
-
-const char *remote_holder(struct broker *b, const char *home)
-{
-    struct federation *l = &b->federation;
-    char reason[MU_FIELD_MAX + 1];
-    struct mu_text t = mu_text_in(reason, sizeof reason);
-    mu_text_format(&t, "held by another participant at %s", home);
-    for (uint32_t i = 0; i < l->holders_count; i++) {
-        if (strcmp(l->holders[i], reason) == 0) {
-            return l->holders[i];
-        }
-    }
-    if (l->holders_count == MU_BROKERS_MAX) {
-        return "held by another participant at another broker";
-    }
-    memcpy(l->holders[l->holders_count], reason, sizeof reason);
-    return l->holders[l->holders_count++];
 }
 
 /* @return whether one way is better than another, to the same agent or to another of its name */

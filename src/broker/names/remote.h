@@ -116,8 +116,6 @@ struct federation {
     uint32_t peers_there;
     struct pause pauses[REGISTRY_MAX];
     struct mu_list pausing;
-    char holders[MU_BROKERS_MAX][MU_FIELD_MAX + 1]; /* reasons of refusals */
-    uint32_t holders_count;
     /* announce.c */
     uint32_t listeners; /* other brokers that are there */
     uint64_t version_said;
@@ -134,17 +132,11 @@ struct federation {
     struct federation_counts count;
 };
 
-/** @return whether a process's name is that of a broker */
-bool remote_is_broker(const char *process);
-
-/** @return the broker's name in such a name of a process */
+/** @return the broker's name in the name of a process; NULL: it is none of a broker */
 const char *remote_name(const char *process);
 
 /** @return the neighbour of that name, or NULL */
 struct peer *remote_peer(struct broker *b, const char *name);
-
-/** @return the reason of a refusal: an agent at that broker holds the name */
-const char *remote_holder(struct broker *b, const char *home);
 
 /** @return the lane of this broker, below FEDERATION_RANGES */
 uint64_t remote_range(const struct broker *b);

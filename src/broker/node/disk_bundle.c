@@ -2,15 +2,8 @@
 #include "broker/node/node.h"
 
 #include "broker/node/disk_parts.h"
-#include "muster/memory.h"
 
 #include <string.h>
-
-enum {
-    TEXT_ENOUGH = 32 * 1024, /* a bundle that has so much takes no more mail */
-    /* The largest mail: a byte of a string is six in JSON at most. */
-    MAIL_BYTES = 6 * POOL_RECORD_MAX + JOURNAL_WAITING_BYTES + 1024,
-};
 
 /* --- the tables ------------------------------------------------------------------------------- */
 
@@ -58,12 +51,6 @@ const char disk_bundle_upgrade[] =
 
 /* --- writing ---------------------------------------------------------------------------------- */
 
-void disk_bundle_init(struct disk_bundle *in_hand)
-{
-    char *buffer = mu_startup_alloc(TEXT_ENOUGH + MAIL_BYTES);
-    mu_text_init(&in_hand->text, buffer, TEXT_ENOUGH + MAIL_BYTES);
-}
-
 void disk_bundle_begin(struct disk *d)
 {
     mu_text_clear(&d->bundle.text);
@@ -90,7 +77,7 @@ bool disk_bundle_end(struct disk *d)
 bool disk_bundle_put(struct disk *d, const struct journal_entry *e)
 {
     struct disk_bundle *in_hand = &d->bundle;
-    bool fits = in_hand->count < DISK_BUNDLE_MAILS && in_hand->text.len < TEXT_ENOUGH &&
+    bool fits = in_hand->count < DISK_BUNDLE_MAILS && in_hand->text.len < DISK_BUNDLE_BYTES &&
                 e->row == in_hand->first + in_hand->count;
     if (!fits && !disk_bundle_end(d)) {
         return false;

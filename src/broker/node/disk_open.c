@@ -102,22 +102,23 @@ static bool value_read(struct disk *d, const char *sql, int64_t *out)
     return sqlite3_finalize(s) == SQLITE_OK && got;
 }
 
-/* Those that the next life goes on from.  Receivers take no number from its upper half. */
-static mu_result numbers_check(struct disk *d)
+/* Those that the next life goes on from.  Receivers take no number from its upper half.  A store
+ * that notes no base has had lives that counted from their incarnation. */
+static mu_result numbers_read(struct disk *d)
 {
-    static const char *const numbers[] = {
-        "SELECT value FROM meta WHERE key = 'incarnation'",
-        "SELECT coalesce((SELECT value FROM meta WHERE key = 'number_base'), 0)"};
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
-        int64_t number;
-        if (!value_read(d, numbers[i], &number)) {
-            return complain_of(d);
-        }
-        if (number < 0 || (uint64_t)number > JOURNAL_NUMBER_MAX) {
-            return complain_damaged(d, "the store is damaged");
-        }
+    int64_t last, base;
+    if (!value_read(d, "SELECT value FROM meta WHERE key = 'incarnation'", &last) ||
+        !value_read(d,
+                    "SELECT coalesce((SELECT value FROM meta WHERE key = 'number_base'),"
+                    " (SELECT value FROM meta WHERE key = 'incarnation'))",
+                    &base)) {
+        return complain_of(d);
     }
-    return MU_OK;
+    d->incarnation = (uint64_t)last;
+    d->number_base = (uint64_t)base;
+    return d->incarnation <= JOURNAL_NUMBER_MAX && d->number_base <= JOURNAL_NUMBER_MAX
+               ? MU_OK
+               : complain_damaged(d, "the store is damaged");
 }
 
 /* Is this file ours, and whole?  Nothing in it is changed.  version: 0 for a new one */
@@ -147,7 +148,7 @@ static mu_result file_check(struct disk *d, int64_t *version)
                         "it was left as it is: use the broker that wrote it, or give another"
                         " --store FILE");
     }
-    return numbers_check(d);
+    return numbers_read(d);
 }
 
 static mu_result pages_check(struct disk *d)
@@ -155,13 +156,6 @@ static mu_result pages_check(struct disk *d)
     int64_t whole;
     bool read = value_read(d, "SELECT quick_check = 'ok' FROM pragma_quick_check(1)", &whole);
     return read && whole ? MU_OK : complain_damaged(d, "the store is damaged");
-}
-
-/* Exclusive locking keeps a second broker out, and the log's index in our own memory. */
-static bool mode_set(struct disk *d)
-{
-    return disk_run(d, "PRAGMA locking_mode = EXCLUSIVE; PRAGMA mmap_size = 0;"
-                       "PRAGMA cache_size = -1024; PRAGMA temp_store = MEMORY");
 }
 
 static int on_commit(void *self, sqlite3 *db, const char *name, int pages)
@@ -187,20 +181,12 @@ static bool is_full(struct disk *d)
 
 /* Of two brokers with one name the higher incarnation gives way: it is the time, and hardly ever
  * more.  Boxes count on beyond all that the last life can have given out, though a wall clock may
- * go back.  A store that notes no such number has had lives that counted from their incarnation. */
+ * go back. */
 static bool incarnation_begin(struct disk *d, uint64_t wall_ns)
 {
     static const uint64_t NUMBERS_OF_A_LIFE = 1ull << 40;
-    int64_t last, base;
-    if (!value_read(d, "SELECT value FROM meta WHERE key = 'incarnation'", &last) ||
-        !value_read(d,
-                    "SELECT coalesce((SELECT value FROM meta WHERE key = 'number_base'),"
-                    " (SELECT value FROM meta WHERE key = 'incarnation'))",
-                    &base)) {
-        return false;
-    }
-    d->incarnation = greater(wall_ns, (uint64_t)last + 1);
-    d->number_base = greater(wall_ns, base ? (uint64_t)base + NUMBERS_OF_A_LIFE : 1);
+    d->incarnation = greater(wall_ns, d->incarnation + 1);
+    d->number_base = greater(wall_ns, d->number_base ? d->number_base + NUMBERS_OF_A_LIFE : 1);
     d->unbegun = !disk_incarnation_put(d);
     return !d->unbegun || is_full(d);
 }
@@ -246,7 +232,10 @@ static mu_result store_begin(struct disk *d, uint64_t wall_ns)
 {
     int64_t version;
     sqlite3_busy_timeout(d->db, HANDOVER_MS);
-    mu_result checked = mode_set(d) ? file_check(d, &version) : complain_of(d);
+    /* Exclusive locking keeps a second broker out, and the log's index in our own memory. */
+    bool is_set = disk_run(d, "PRAGMA locking_mode = EXCLUSIVE; PRAGMA mmap_size = 0;"
+                              "PRAGMA cache_size = -1024; PRAGMA temp_store = MEMORY");
+    mu_result checked = is_set ? file_check(d, &version) : complain_of(d);
     if (checked != MU_OK) {
         return checked;
     }
@@ -274,7 +263,7 @@ static mu_result store_begin(struct disk *d, uint64_t wall_ns)
 mu_result disk_open(struct disk **out, const char *path, uint64_t wall_ns)
 {
     struct disk *d = mu_startup_alloc(sizeof *d);
-    disk_bundle_init(&d->bundle);
+    mu_text_init(&d->bundle.text, d->bundle.buffer, sizeof d->bundle.buffer);
     if (!mu_text_copy(d->path, sizeof d->path, path) || !mu_path_make_folders(d->path, 0700)) {
         return complain(MU_FAULT_OS, path, strerror(errno),
                         "give another --store FILE, or --store none");
@@ -293,16 +282,6 @@ mu_result disk_open(struct disk **out, const char *path, uint64_t wall_ns)
     }
     *out = d;
     return MU_OK;
-}
-
-uint64_t disk_incarnation(const struct disk *d)
-{
-    return d->incarnation;
-}
-
-uint64_t disk_number_base(const struct disk *d)
-{
-    return d->number_base;
 }
 
 bool disk_default_path(char *path, size_t size, int domain, const char *broker)

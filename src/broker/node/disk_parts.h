@@ -12,8 +12,12 @@
 #include <sqlite3.h>
 #include <sys/stat.h>
 
-/* Mails in one bundle. */
-enum { DISK_BUNDLE_MAILS = 256 };
+enum {
+    DISK_BUNDLE_MAILS = 256,
+    DISK_BUNDLE_BYTES = 32 * 1024, /* a bundle that has so much takes no more mail */
+    /* The largest mail: a byte of a string is six in JSON at most. */
+    DISK_MAIL_BYTES = 6 * POOL_RECORD_MAX + JOURNAL_WAITING_BYTES + 1024,
+};
 
 enum { DISK_SCHEMA = 3, DISK_SCHEMA_OLD = 2, DISK_APPLICATION = 0x6d757374 /* "must" */ };
 
@@ -41,6 +45,7 @@ enum disk_statement {
 /* New mails of one transaction whose numbers follow each other. */
 struct disk_bundle {
     struct mu_text text; /* JSON, without the last bracket */
+    char buffer[DISK_BUNDLE_BYTES + DISK_MAIL_BYTES];
     uint64_t first;
     uint32_t count;
 };
@@ -49,7 +54,9 @@ struct disk {
     sqlite3 *db;
     sqlite3_stmt *statements[DISK_STATEMENTS];
     char path[PATH_MAX];
-    uint64_t incarnation, number_base;
+    uint64_t
+        incarnation; /* above all that earlier brokers on this store had; the time if it can be */
+    uint64_t number_base; /* far above all that boxes of earlier brokers on it have counted */
     struct disk_bundle bundle;
     struct stat file, log; /* what was opened; log.st_ino 0: there was none yet */
     bool unbegun;          /* its incarnation is not on disk yet: the next commit has it */
@@ -107,9 +114,6 @@ extern const char disk_bundle_select[];
 
 /** Moves the mails of a store of version 2 from their rows into bundles. */
 extern const char disk_bundle_upgrade[];
-
-/** Takes the memory for the bundle that is put together.  At start-up. */
-void disk_bundle_init(struct disk_bundle *in_hand);
 
 /** A transaction begins: nothing is in hand. */
 void disk_bundle_begin(struct disk *d);

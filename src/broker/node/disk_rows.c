@@ -224,21 +224,6 @@ static void add_string(struct mu_text *t, const char *s)
     mu_text_add_bytes(t, "\"", 1);
 }
 
-static void add_number(struct mu_text *t, int64_t number)
-{
-    char digits[24];
-    char *at = digits + sizeof digits;
-    uint64_t left = number < 0 ? 0 - (uint64_t)number : (uint64_t)number;
-    do {
-        *--at = (char)('0' + left % 10);
-        left /= 10;
-    } while (left > 0);
-    if (number < 0) {
-        *--at = '-';
-    }
-    mu_text_add_bytes(t, at, (size_t)(digits + sizeof digits - at));
-}
-
 /* @return whether any field of a mail, from MAIL_RARE on, has anything */
 static bool mail_is_rare(const struct journal_entry *e)
 {
@@ -260,7 +245,7 @@ void disk_row_add_mail(struct mu_text *t, const struct journal_entry *e)
         if (v.text) {
             add_string(t, v.text);
         } else {
-            add_number(t, (int64_t)v.number);
+            mu_text_add_number(t, (long long)v.number);
         }
     }
     mu_text_add_bytes(t, "]", 1);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/node/node.h"
 
+#include "broker/control/parts.h"
 #include "core/log.h"
 #include "core/text_file.h"
 #include "muster/memory.h"
@@ -11,26 +12,22 @@
 #include <string.h>
 #include <unistd.h>
 
-static mu_result policy_load(struct broker *b, const char *path, struct mu_fault *fault)
-{
-    struct mu_text text =
-        mu_text_in(mu_startup_alloc(FILES_POLICY_BYTES + 1), FILES_POLICY_BYTES + 1);
-    if (mu_text_file_read(path, &text, fault) != MU_OK) {
-        return mu_fault_at(fault, path, 0, 0, "cannot read the policy: %s", strerror(errno));
-    }
-    if (text.cut) {
-        return mu_fault_at(fault, path, 0, 0, "expected at most %d bytes of policy",
-                           FILES_POLICY_BYTES);
-    }
-    return strlen(text.at) == text.len
-               ? broker_policy(b, text.at, path, fault)
-               : mu_fault_at(fault, path, 0, 0, "expected text: there is a zero byte in it");
-}
-
 mu_result files_policy_load(struct broker *b, const char *path)
 {
     struct mu_fault fault = {0};
-    mu_result done = policy_load(b, path, &fault);
+    struct mu_text text =
+        mu_text_in(mu_startup_alloc(FILES_POLICY_BYTES + 1), FILES_POLICY_BYTES + 1);
+    mu_result done = mu_text_file_read(path, &text, &fault);
+    if (done != MU_OK) {
+        done = mu_fault_at(&fault, path, 0, 0, "cannot read the policy: %s", strerror(errno));
+    } else if (text.cut) {
+        done = mu_fault_at(&fault, path, 0, 0, "expected at most %d bytes of policy",
+                           FILES_POLICY_BYTES);
+    } else if (strlen(text.at) != text.len) {
+        done = mu_fault_at(&fault, path, 0, 0, "expected text: there is a zero byte in it");
+    } else {
+        done = trust_read(&b->trust, text.at, path, &fault);
+    }
     if (done != MU_OK) {
         mu_fault_print(&fault);
     }
@@ -69,11 +66,11 @@ void files_audit_write(struct files_audit *f, struct broker *b)
 {
     struct audit_record record;
     char line[AUDIT_LINE_MAX];
-    while (broker_audit_next(b, &record)) {
+    while (audit_next(&b->audit, &record)) {
         size_t len = audit_line(&record, line);
         bool failed = !line_write(f, line, len);
         if (failed) {
-            broker_audit_failed(b);
+            b->audit.failed++;
         }
         if (failed && !f->failed) {
             mu_log(MU_LOG_ERROR, "audit-not-written", "reason=\"%s\"", strerror(errno));

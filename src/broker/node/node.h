@@ -290,12 +290,6 @@ void disk_close(struct disk *d);
  */
 MU_MUST_USE mu_result disk_open(struct disk **out, const char *path, uint64_t wall_ns);
 
-/** @return a number above all that earlier brokers on this store had, and the time if it can be */
-uint64_t disk_incarnation(const struct disk *d);
-
-/** @return a number far above all that boxes of earlier brokers on this store have counted */
-uint64_t disk_number_base(const struct disk *d);
-
 /** Makes the default path, in $XDG_STATE_HOME/muster or ~/.local/state/muster.
  *  @return false: there is no home, or the path is too long */
 bool disk_default_path(char *path, size_t size, int domain, const char *broker);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/node/node.h"
 
+#include "broker/node/disk_parts.h"
 #include "core/clock.h"
 #include "core/exits.h"
 #include "core/log.h"
 
-#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -43,12 +43,12 @@ int startup_run(struct startup *o, const struct settings *s, const char *name)
     if (opened != MU_OK) {
         return mu_exit_for(opened);
     }
-    uint64_t incarnation = o->disk ? disk_incarnation(o->disk) : mu_clock_wall_ns();
+    uint64_t incarnation = o->disk ? o->disk->incarnation : mu_clock_wall_ns();
     o->options =
         (struct broker_options){.name = name,
                                 .incarnation = incarnation,
                                 .has_store = o->disk != NULL,
-                                .number_base = o->disk ? disk_number_base(o->disk) : 0,
+                                .number_base = o->disk ? o->disk->number_base : 0,
                                 .host = host,
                                 .pid = (uint32_t)getpid(),
                                 .wall_ns = mu_clock_wall_ns(),

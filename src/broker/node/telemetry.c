@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/node/node.h"
 
+#include "broker/control/parts.h"
+
 #include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
@@ -78,10 +80,8 @@ static void part_tell(struct telemetry *h, uint32_t first, const muster_PartStat
 static void everything_tell(struct telemetry *h, struct broker *b, bool all)
 {
     muster_PartStatus status;
-    struct bus_ways ways;
     uint32_t first = 0;
-    bus_ways(h->bus, &ways);
-    broker_ways(b, &ways);
+    bus_ways(h->bus, &b->ways);
     status_tell(h, b, all);
     for (uint32_t part = 1; broker_part(b, part, &status); part++) {
         if (!h->begun || part_is_news(h, first, &status, all)) {

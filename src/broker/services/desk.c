@@ -11,10 +11,45 @@ static bool is_shown(const struct broker *b, const struct mail *question, uint32
     return scope_sees(b->registry.agents[question->sender].scope, b->registry.agents[agent].scope);
 }
 
+/* Reads a question that is one field.  @return false: answered, and counted */
+static bool name_read(struct broker *b, const struct mail *question, request_name name)
+{
+    struct mu_text read = mu_text_in(name, sizeof(request_name));
+    if (request_field(question->letter.content, &read)) {
+        return true;
+    }
+    request_not_understood(b, question);
+    return false;
+}
+
+static void list_add(struct broker *b, struct request_list *l, const char *name)
+{
+    request_list_room(b, l, 1 + strlen(name));
+    mu_fields_add(&l->text, name);
+}
+
+/* Makes a change that NAME or NAME AGENT asks for, and answers it. */
+static void change_make(struct broker *b, const struct mail *question, struct lines *table,
+                        request_change *change)
+{
+    request_name name, named;
+    const char *content = question->letter.content;
+    if (!request_field_optional(&content, name, sizeof name) || name[0] == '\0' ||
+        !request_field_optional(&content, named, sizeof named) || !mu_fields_end(content)) {
+        request_not_understood(b, question);
+        return;
+    }
+    const char *agent = request_actor(b, question, named);
+    if (agent) {
+        struct said said = view_said(b);
+        request_changed(b, question, change(table, name, agent, &said), name);
+    }
+}
+
 static void request_lookup(struct broker *b, const struct mail *question)
 {
     request_name name;
-    if (!request_read_name(b, question, name)) {
+    if (!name_read(b, question, name)) {
         return;
     }
     uint32_t agent = registry_find(&b->registry, name);
@@ -42,7 +77,7 @@ static void request_listing(struct broker *b, const struct mail *question)
     for (uint32_t i = 0; i < b->registry.live; i++) {
         uint32_t agent = b->registry.order[i];
         if (is_shown(b, question, agent)) {
-            request_list_add(b, &list, b->registry.agents[agent].name);
+            list_add(b, &list, b->registry.agents[agent].name);
         }
     }
     request_list_end(b, &list);
@@ -55,7 +90,7 @@ static void request_groups(struct broker *b, const struct mail *question)
     uint32_t place = 0;
     request_list_begin(b, &list, question, "groups", "");
     for (const char *name; (name = groups_name(&b->pages.groups, inside, &place));) {
-        request_list_add(b, &list, name);
+        list_add(b, &list, name);
     }
     request_list_end(b, &list);
 }
@@ -66,7 +101,7 @@ static void request_members(struct broker *b, const struct mail *question)
     struct request_list list;
     bool inside = view_inside(b, question->sender);
     uint32_t place = 0;
-    if (!request_read_name(b, question, group)) {
+    if (!name_read(b, question, group)) {
         return;
     }
     if (strlen(group) > MU_NAME_MAX || !groups_exists(&b->pages.groups, group, inside)) {
@@ -75,7 +110,7 @@ static void request_members(struct broker *b, const struct mail *question)
     }
     request_list_begin(b, &list, question, "members-of", group);
     for (const char *name; (name = groups_member(&b->pages.groups, group, inside, &place));) {
-        request_list_add(b, &list, name);
+        list_add(b, &list, name);
     }
     request_list_end(b, &list);
 }
@@ -83,7 +118,7 @@ static void request_members(struct broker *b, const struct mail *question)
 static void request_group_create(struct broker *b, const struct mail *question)
 {
     request_name group;
-    if (request_read_name(b, question, group)) {
+    if (name_read(b, question, group)) {
         struct said said = view_said(b);
         request_changed(b, question, groups_create(&b->pages.groups, group, &said), group);
     }
@@ -123,7 +158,7 @@ static void desk_answer(struct broker *b, const struct mail *question)
     if (verb == VERB_VERBS) {
         request_refuse(b, REGISTRY_BROKER, question);
     } else if (verbs[verb].change) {
-        request_make_change(b, question, journal_table(b, verbs[verb].table), verbs[verb].change);
+        change_make(b, question, journal_table(b, verbs[verb].table), verbs[verb].change);
     } else {
         verbs[verb].answer(b, question);
     }

@@ -30,7 +30,7 @@ static uint64_t oldest_ns(const struct broker *b)
 
 static uint64_t refused(const struct broker *b)
 {
-    return b->counters.refused + b->counters.unspoken;
+    return b->counters.refused + b->unspoken;
 }
 
 #define AT(member) \
@@ -53,11 +53,9 @@ static const struct metric counters[] = {
      AT(snapshots.restored)},
     {PART_NAMES, "changes", "changes of the white pages", AT(registry.changes.version)},
     {PART_NAMES, "by-socket",
-     "readers of its deliveries, two a process, that have them by a socket",
-     AT(counters.ways.sockets)},
-    {PART_NAMES, "by-dds", "of these readers, those that have them by DDS", AT(counters.ways.dds)},
-    {PART_NAMES, "sockets-refused", "connections that did not come about, ever",
-     AT(counters.ways.refused)},
+     "readers of its deliveries, two a process, that have them by a socket", AT(ways.sockets)},
+    {PART_NAMES, "by-dds", "of these readers, those that have them by DDS", AT(ways.dds)},
+    {PART_NAMES, "sockets-refused", "connections that did not come about, ever", AT(ways.refused)},
 
     {PART_MAIL, "sent", "mails, one a receiver", AT(counters.sent)},
     {PART_MAIL, "delivered", "of them, acknowledged", AT(counters.delivered)},
@@ -82,10 +80,9 @@ static const struct metric counters[] = {
     {PART_MAIL, "receipts-lost", "words on mails that were not told, for want of room",
      AT(receipts.lost)},
     {PART_MAIL, "gaps", "mails not taken yet, for an earlier one of their sender or box is missing",
-     AT(counters.gaps)},
+     AT(gaps)},
     {PART_MAIL, "acks-astray",
-     "acknowledgements that were for an earlier life of the broker, and not counted",
-     AT(counters.astray)},
+     "acknowledgements that were for an earlier life of the broker, and not counted", AT(astray)},
     {PART_MAIL, "malformed", "samples and mails that break a rule of the wire",
      AT(counters.malformed)},
     {PART_MAIL, "stored", "mails kept now, each once", AT(pool.mails)},
@@ -124,8 +121,7 @@ static const struct metric counters[] = {
 
     {PART_TRUST, "lines", "lines of the policy", AT(trust.lines_count)},
     {PART_TRUST, "allowed",
-     "directives let through, one a receiver, and changes in another agent's name",
-     AT(counters.directed)},
+     "directives let through, one a receiver, and changes in another agent's name", AT(directed)},
     {PART_TRUST, "refused", "of both, refused", .read = refused},
     {PART_TRUST, "glances", "lines that only look, let through outside of every step",
      AT(probes.asked)},

@@ -20,16 +20,6 @@ bool request_field_optional(const char **content, char *to, size_t size)
     return mu_fields_end(*content) || mu_fields_next(content, &read);
 }
 
-bool request_read_name(struct broker *b, const struct mail *question, request_name name)
-{
-    struct mu_text read = mu_text_in(name, sizeof(request_name));
-    if (request_field(question->letter.content, &read)) {
-        return true;
-    }
-    request_not_understood(b, question);
-    return false;
-}
-
 void request_not_understood(struct broker *b, const struct mail *question)
 {
     b->counters.malformed++;
@@ -101,32 +91,7 @@ void request_list_room(struct broker *b, struct request_list *l, size_t bytes)
     }
 }
 
-void request_list_add(struct broker *b, struct request_list *l, const char *name)
-{
-    request_list_room(b, l, 1 + strlen(name));
-    mu_fields_add(&l->text, name);
-}
-
 void request_list_end(struct broker *b, const struct request_list *l)
 {
     answer_send(b, l->question, "inform");
-}
-
-/* --- changes ---------------------------------------------------------------------------------- */
-
-void request_make_change(struct broker *b, const struct mail *question, struct lines *table,
-                         request_change *change)
-{
-    request_name name, named;
-    const char *content = question->letter.content;
-    if (!request_field_optional(&content, name, sizeof name) || name[0] == '\0' ||
-        !request_field_optional(&content, named, sizeof named) || !mu_fields_end(content)) {
-        request_not_understood(b, question);
-        return;
-    }
-    const char *agent = request_actor(b, question, named);
-    if (agent) {
-        struct said said = view_said(b);
-        request_changed(b, question, change(table, name, agent, &said), name);
-    }
 }

@@ -178,13 +178,6 @@ void route_letter(struct broker *b, uint32_t sender, const muster_Mail *letter,
 
 /* --- on its way ------------------------------------------------------------------------------- */
 
-/* The disk has failed since it was admitted. */
-static void mail_unstored(struct broker *b, struct mail *m, const struct recipients *to)
-{
-    b->counters.no_store += to->count;
-    outcome_refuse(b, m, to->unknown, muster_OUTCOME_NO_STORE);
-}
-
 static bool mail_is_answer(uint32_t own, const struct mail *m)
 {
     bool asks_state = m->letter.layer == 2 && strcmp(m->letter.performative, "state") == 0;
@@ -233,7 +226,8 @@ static bool mail_go_on(struct broker *b, struct mail *m, const char *names)
     b->counters.unknown_name += to.unknown;
     bool goes_on = to.refused == 0 || to.count > 0;
     if (m->letter.level != muster_LEVEL_RAM && !journal_takes(b)) {
-        mail_unstored(b, m, &to);
+        b->counters.no_store += to.count; /* the disk has failed since it was admitted */
+        outcome_refuse(b, m, to.unknown, muster_OUTCOME_NO_STORE);
         return goes_on;
     }
     struct delivered done = deliver_put(b, m, &to);

@@ -112,9 +112,6 @@ typedef const char *request_change(struct lines *table, const char *name, const 
 /** Reads content that is one field.  @return false if it is not */
 bool request_field(const char *content, struct mu_text *out);
 
-/** Reads a question that is one field, into query_name.  @return false: answered, and counted */
-bool request_read_name(struct broker *b, const struct mail *question, request_name name);
-
 /** Reads the next field, if there is one, else "".  @return false: what is there is no field */
 bool request_field_optional(const char **content, char *to, size_t size);
 
@@ -133,18 +130,11 @@ void request_not_understood(struct broker *b, const struct mail *question);
 void request_changed(struct broker *b, const struct mail *question, const char *refusal,
                      const char *name);
 
-/** Makes a change that NAME or NAME AGENT asks for, and answers it. */
-void request_make_change(struct broker *b, const struct mail *question, struct lines *table,
-                         request_change *change);
-
 void request_list_begin(struct broker *b, struct request_list *l, const struct mail *question,
                         const char *word, const char *of);
 
 /** Sends what there is if it has no room for so many bytes more, and begins anew. */
 void request_list_room(struct broker *b, struct request_list *l, size_t bytes);
-
-/** Adds a name to a list. */
-void request_list_add(struct broker *b, struct request_list *l, const char *name);
 
 /** Sends what is left of a list, or that there is nothing. */
 void request_list_end(struct broker *b, const struct request_list *l);

@@ -3,7 +3,6 @@
 
 #include "broker/control/parts.h"
 #include "core/address.h"
-#include "core/sort.h"
 
 #include <string.h>
 
@@ -41,27 +40,6 @@ void steps_role_on(struct broker *b, uint32_t place, enum role_event event)
         b->processes.at[place].scope = role_scope(m->role);
         steps_mark_residents(b, place);
     }
-}
-
-void steps_set_held(struct broker *b, bool held)
-{
-    b->steps.held = held;
-    for (uint32_t agent = REGISTRY_OWN; agent < b->registry.count; agent++) {
-        steps_rescope(b, agent);
-    }
-}
-
-void steps_note_counts(struct broker *b)
-{
-    const struct broker_counters *c = &b->counters;
-    b->steps.so_far =
-        (muster_LockstepEnd){.ended = b->steps.end.ended + 1,
-                             .sent = c->sent,
-                             .delivered = c->delivered,
-                             .waiting = c->waiting,
-                             .expired = c->expired,
-                             .refused = c->box_full + c->over_share + c->unknown_name + c->refused +
-                                        c->dropped + c->no_store};
 }
 
 /* --- collecting ------------------------------------------------------------------------------- */
@@ -155,44 +133,6 @@ void steps_keep_state(struct steps *l, uint32_t agent, muster_State state)
     turn->state = state;
 }
 
-void steps_order_turns(struct broker *b)
-{
-    struct steps *l = &b->steps;
-    mu_sort(l->active, l->active_count, sizeof *l->active, registry_compare, &b->registry);
-}
-
-void steps_close_turns(struct steps *l)
-{
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < l->active_count; i++) {
-        struct turn *turn = &l->turns[l->active[i]];
-        turn->active = turn->outside.first != NULL;
-        if (turn->active) {
-            l->active[kept++] = l->active[i];
-        }
-    }
-    l->active_count = kept;
-}
-
-uint32_t steps_outside_share(const struct steps *l)
-{
-    uint32_t senders = 0;
-    for (uint32_t i = 0; i < l->active_count; i++) {
-        senders += l->turns[l->active[i]].outside.first != NULL;
-    }
-    return senders < STEPS_OUTSIDE_MAX ? STEPS_OUTSIDE_MAX / (senders + !senders) : 1;
-}
-
-uint32_t steps_outside_spare(const struct steps *l, uint32_t share)
-{
-    uint32_t used = l->told_count;
-    for (uint32_t i = 0; i < l->active_count; i++) {
-        uint32_t count = l->turns[l->active[i]].outside.count;
-        used += count < share ? count : share;
-    }
-    return used < STEPS_OUTSIDE_MAX ? STEPS_OUTSIDE_MAX - used : 0;
-}
-
 void steps_told(struct broker *b)
 {
     struct steps *l = &b->steps;
@@ -247,9 +187,4 @@ void steps_release(struct broker *b)
         steps_owe_delivery(b, l->roster[i]);
     }
     steps_owe_delivery(b, l->simulator);
-}
-
-uint32_t steps_missing(const struct steps *l)
-{
-    return l->roster_count > l->answered ? l->roster_count - l->answered : 1;
 }

@@ -116,15 +116,8 @@ void steps_role_on(struct broker *b, uint32_t place, enum role_event event);
 /** Gives the agents of a process their scopes anew. */
 void steps_mark_residents(struct broker *b, uint32_t place);
 
-/** A step ends: notes what has been counted until now.  What a process acknowledges later, when it
- * has seen that no step follows, may come before the lock step has ended, or after it. */
-void steps_note_counts(struct broker *b);
-
 /** An agent has come to a process, has left it, or is of another kind now. */
 void steps_rescope(struct broker *b, uint32_t agent);
-
-/** The run is held for a process that is to come, or is so no longer. */
-void steps_set_held(struct broker *b, bool held);
 
 /* When what an Up says takes effect: STEPS_INSIDE, as an answer to the step; STEPS_OUTSIDE, with
  * it; STEPS_REPLAY, with the step that a recording says. */
@@ -142,9 +135,6 @@ static inline enum steps_effect steps_effect(const struct steps *l, uint32_t pla
     bool awaited = role == ROLE_AWAITED || role == ROLE_AWAITED_OWED;
     return awaited && step == l->step ? STEPS_INSIDE : STEPS_IGNORED;
 }
-
-/** @return how many answers the step waits for; 1 when there is no lock step */
-uint32_t steps_missing(const struct steps *l);
 
 /** An Up begins: what it may bring depends on the roster alone, not on what came before it. */
 static inline void steps_open_turn(struct steps *l)
@@ -208,17 +198,5 @@ void steps_owe_delivery(struct broker *b, uint32_t place);
 
 /** Counts a mail from outside that is kept, or is kept no longer. */
 void steps_count_outside(struct steps *l, const struct mail *m, uint32_t by);
-
-/** @return how many mails of one sender have room in a step if all senders get as much */
-uint32_t steps_outside_share(const struct steps *l);
-
-/** @return how many have room beyond the shares: of the first sender by name */
-uint32_t steps_outside_spare(const struct steps *l, uint32_t share);
-
-/** The next step begins with what is left. */
-void steps_close_turns(struct steps *l);
-
-/** What was collected first depends on the clock; what takes effect first does not. */
-void steps_order_turns(struct broker *b);
 
 #endif

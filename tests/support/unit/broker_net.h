@@ -147,7 +147,8 @@ static inline struct net_agent *net_agent(const char *name)
 /* What an agent's process says of it, to all brokers that hear it. */
 static inline void net_register(struct net_agent *a, muster_State state)
 {
-    muster_Entry entry = {.name = a->name,
+    muster_Entry entry = {.reason = words(""),
+                          .name = a->name,
                           .kind = muster_KIND_AGENT,
                           .state = state,
                           .no_broadcasts = a->no_broadcasts,

@@ -107,10 +107,13 @@ static inline muster_Registration registration(const char *name, const char *pro
     muster_Entry *entries = parts[turn++ % 16];
     uint32_t slot = story_slot(name);
     for (uint32_t i = 0; i < MU_PART_AGENTS; i++) {
-        entries[i] =
-            (muster_Entry){.name = words(""), .state = muster_STATE_ABSENT, .home = words("")};
+        entries[i] = (muster_Entry){.reason = words(""),
+                                    .name = words(""),
+                                    .state = muster_STATE_ABSENT,
+                                    .home = words("")};
     }
-    entries[slot % MU_PART_AGENTS] = (muster_Entry){.name = words(name),
+    entries[slot % MU_PART_AGENTS] = (muster_Entry){.reason = words(""),
+                                                    .name = words(name),
                                                     .kind = muster_KIND_ROBOT,
                                                     .state = muster_STATE_RUNNING,
                                                     .home = words("")};

@@ -17,7 +17,7 @@ static const char *audited(void)
 {
     static char text[1024];
     struct audit_record r;
-    if (!broker_audit_next(story.b, &r)) {
+    if (!audit_next(&story.b->audit, &r)) {
         return "none";
     }
     snprintf(text, sizeof text, "%s %s %s %s", r.sender, r.performative, r.receiver,
@@ -53,12 +53,12 @@ static void test_who_is_not_trusted_does_not(void)
     HEARD("red: failure refused green", say("red", "advertise", "mapper \"\" 0 green"));
     HEARD("red: failure refused green", say("red", "withdraw", "mapper green"));
     HEARD("red: failure refused nobody", say("red", "group-join", "scouts nobody"));
-    CU_ASSERT_EQUAL(story.b->counters.unspoken, 5);
+    CU_ASSERT_EQUAL(story.b->unspoken, 5);
     CU_ASSERT_EQUAL(story_status().refused, 0); /* no mail of theirs was */
     CU_ASSERT_EQUAL(story_status().malformed, 0);
     CU_ASSERT_EQUAL(story.b->pages.groups.pairs.count, 0);
     HEARD("red: inform group-join scouts", say("red", "group-join", "scouts red"));
-    CU_ASSERT_EQUAL(story.b->counters.unspoken, 5);
+    CU_ASSERT_EQUAL(story.b->unspoken, 5);
 }
 
 static void test_names_that_nobody_bears(void)
@@ -94,9 +94,10 @@ static void test_the_policy_decides_and_the_audit_says_so(void)
 {
     struct mu_fault fault;
     team();
-    CU_ASSERT_EQUAL_FATAL(
-        broker_policy(story.b, "allow operator direct red\nallow green direct all\n", "p", &fault),
-        MU_OK);
+    CU_ASSERT_EQUAL_FATAL(trust_read(&story.b->trust,
+                                     "allow operator direct red\nallow green direct all\n", "p",
+                                     &fault),
+                          MU_OK);
     HEARD("operator: inform group-join scouts", say("operator", "group-join", "scouts red"));
     HEARD("operator: failure refused green", say("operator", "group-join", "scouts green"));
     HEARD("green: inform advertise mapper", say("green", "advertise", "mapper \"\" 0 operator"));
@@ -120,11 +121,11 @@ static void test_a_policy_knows_groups_and_roles(void)
 {
     struct mu_fault fault;
     team();
-    CU_ASSERT_EQUAL_FATAL(broker_policy(story.b,
-                                        "allow operator direct all\n"
-                                        "deny operator direct group:scouts\n"
-                                        "allow role:boss direct group:scouts\n",
-                                        "p", &fault),
+    CU_ASSERT_EQUAL_FATAL(trust_read(&story.b->trust,
+                                     "allow operator direct all\n"
+                                     "deny operator direct group:scouts\n"
+                                     "allow role:boss direct group:scouts\n",
+                                     "p", &fault),
                           MU_OK);
     CU_ASSERT_TRUE(directs());
     (void)say("red", "group-join", "scouts");
@@ -142,7 +143,8 @@ static void test_inside_the_lock_step_outsiders_have_no_name(void)
 {
     struct mu_fault fault;
     team();
-    CU_ASSERT_EQUAL_FATAL(broker_policy(story.b, "allow all direct all\n", "p", &fault), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(trust_read(&story.b->trust, "allow all direct all\n", "p", &fault),
+                          MU_OK);
     story_match("sim");
     pages_roster(true, 0, "p-red", NULL);
     (void)hear(false);
@@ -201,7 +203,7 @@ static void test_who_has_left_speaks_for_nobody(void)
     answer_step("green", 0, NULL);
     (void)hear(false);
     CU_ASSERT_FALSE(groups_has(&story.b->pages.groups, "scouts", "red", false));
-    CU_ASSERT_EQUAL(story.b->counters.unspoken, 1);
+    CU_ASSERT_EQUAL(story.b->unspoken, 1);
     CU_ASSERT_STRING_EQUAL(audited(), "mallory group-join red refused");
 }
 

@@ -14,7 +14,8 @@ static muster_Registration part_of(const char *process, uint32_t part, uint32_t 
 {
     for (uint32_t i = 0; i < count; i++) {
         snprintf(names[i], sizeof names[i], "a%u", part * MU_PART_AGENTS + i);
-        entries[i] = (muster_Entry){.name = names[i],
+        entries[i] = (muster_Entry){.reason = words(""),
+                                    .name = names[i],
                                     .kind = muster_KIND_AGENT,
                                     .state = muster_STATE_RUNNING,
                                     .home = words("")};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The store itself: a file in a temporary folder, written by one broker and read by the next. */
 #include "broker/control/parts.h"
-#include "broker/node/node.h"
+#include "broker/node/disk_parts.h"
 #include "broker_story.h"
 #include "capture.h"
 
@@ -25,8 +25,8 @@ static uint64_t life_begin(const char *name, uint64_t wall_ns)
 {
     CU_ASSERT_EQUAL_FATAL(disk_open(&disk, file(name), wall_ns), MU_OK);
     struct broker_options options = {.name = "alpha",
-                                     .incarnation = disk_incarnation(disk),
-                                     .number_base = disk_number_base(disk),
+                                     .incarnation = disk->incarnation,
+                                     .number_base = disk->number_base,
                                      .host = "here",
                                      .wall_ns = wall_ns,
                                      .has_store = true};
@@ -78,8 +78,8 @@ static void test_everything_of_a_mail_comes_back(void)
 
     CU_ASSERT_EQUAL(life_begin("mail.db", WALL + 1), 0);
     /* The clock has hardly moved: a broker of that name that begins now is the later one. */
-    CU_ASSERT_EQUAL(disk_incarnation(disk), WALL + 1);
-    CU_ASSERT_TRUE(disk_number_base(disk) > WALL + (1ull << 39));
+    CU_ASSERT_EQUAL(disk->incarnation, WALL + 1);
+    CU_ASSERT_TRUE(disk->number_base > WALL + (1ull << 39));
     const struct mail *m =
         journal_find(&story.b->journal, registry_find(&story.b->registry, "red"), 7);
     CU_ASSERT_PTR_NOT_NULL_FATAL(m);

@@ -139,7 +139,8 @@ static void test_limit_who_is_away_is_told_what_went(void)
 
 static void beta_says(uint64_t incarnation)
 {
-    muster_Entry e = {.name = words("zoe"),
+    muster_Entry e = {.reason = words(""),
+                      .name = words("zoe"),
                       .kind = muster_KIND_AGENT,
                       .state = muster_STATE_RUNNING,
                       .home = words("beta"),

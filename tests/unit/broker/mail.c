@@ -202,7 +202,7 @@ static void test_mail_after_a_lost_one_waits_for_it(void)
     team();
     send_from(7, 9, 10);
     EXPECT("");
-    CU_ASSERT_EQUAL(story.b->counters.gaps, 2);
+    CU_ASSERT_EQUAL(story.b->gaps, 2);
     send_from(7, 7, 8);
     EXPECT("green #1 red/7 m; green #2 red/8 m");
     send_from(7, 10, 10); /* it has the first ones, and their answers are on their way */
@@ -211,7 +211,7 @@ static void test_mail_after_a_lost_one_waits_for_it(void)
     EXPECT("red 7-8 duplicate; green #3 red/9 m; green #4 red/10 m");
     send_from(20, 20, 20); /* those between were answered for by another broker */
     EXPECT("green #5 red/20 m");
-    CU_ASSERT_EQUAL(story.b->counters.gaps, 3);
+    CU_ASSERT_EQUAL(story.b->gaps, 3);
 }
 
 /* Its sender has heard of another broker what became of it. */
@@ -414,13 +414,13 @@ static void test_acknowledgements_of_another_life(void)
     u.up.broker_incarnation = story.b->incarnation - 1;
     broker_up(story.b, &u.up, story.now_ns);
     EXPECT("blue #1 green/1 two"); /* the mail is for whoever reads it */
-    CU_ASSERT_EQUAL(story.b->counters.astray, 1);
+    CU_ASSERT_EQUAL(story.b->astray, 1);
     CU_ASSERT_EQUAL(story_status().malformed, 0);
     CU_ASSERT_EQUAL(story_status().delivered, 0);
     CU_ASSERT_EQUAL(story_status().waiting, 2);
     story_ack("green", 1);
     EXPECT("red 1-1 delivered");
-    CU_ASSERT_EQUAL(story.b->counters.astray, 1);
+    CU_ASSERT_EQUAL(story.b->astray, 1);
 }
 
 static void test_malformed_mails(void)

@@ -93,18 +93,19 @@ static void test_who_may_not_direct_may_not_look(void)
     struct mu_fault fault;
     struct audit_record r;
     begin();
-    CU_ASSERT_EQUAL(broker_policy(story.b, "allow operator direct all\ndeny operator direct blue\n",
-                                  "team.policy", &fault),
+    CU_ASSERT_EQUAL(trust_read(&story.b->trust,
+                               "allow operator direct all\ndeny operator direct blue\n",
+                               "team.policy", &fault),
                     MU_OK);
     ask(1, "blue");
     EXPECT("p-operator: operator/1 blue declined ");
-    CU_ASSERT_FALSE(broker_audit_next(story.b, &r)); /* the directive that follows is refused */
+    CU_ASSERT_FALSE(audit_next(&story.b->audit, &r)); /* the directive that follows is refused */
     CU_ASSERT_EQUAL(story.b->counters.refused, 0);
     say("p-blue", muster_GLANCE_ASK, "blue", 1, "red", "(facts)");
     EXPECT("p-blue: blue/1 red declined ");
     ask(2, "red");
     EXPECT("p-red: operator/2 red asks (facts)");
-    CU_ASSERT_TRUE_FATAL(broker_audit_next(story.b, &r));
+    CU_ASSERT_TRUE_FATAL(audit_next(&story.b->audit, &r));
     CU_ASSERT_TRUE(r.allowed);
     CU_ASSERT_STRING_EQUAL(r.sender, "operator");
     CU_ASSERT_STRING_EQUAL(r.receiver, "red");

@@ -11,7 +11,8 @@ static uint64_t life = 3; /* of beta, that is heard */
 static void hear_of(const char *name, muster_State state)
 {
     bool is_absent = state == muster_STATE_ABSENT;
-    muster_Entry e = {.name = words(name),
+    muster_Entry e = {.reason = words(""),
+                      .name = words(name),
                       .kind = muster_KIND_AGENT,
                       .state = state,
                       .home = words(is_absent ? "" : "beta"),

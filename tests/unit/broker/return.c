@@ -129,7 +129,8 @@ static void test_late_word_of_who_was_left_behind(void)
 
 static void part_say(uint32_t part, const char *name)
 {
-    muster_Entry e = {.name = words(name),
+    muster_Entry e = {.reason = words(""),
+                      .name = words(name),
                       .kind = muster_KIND_ROBOT,
                       .state = muster_STATE_RUNNING,
                       .home = words(""),

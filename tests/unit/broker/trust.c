@@ -188,7 +188,7 @@ static void test_garbage(void)
 static void team(const char *text)
 {
     story_begin_with(0, true);
-    CU_ASSERT_EQUAL_FATAL(broker_policy(story.b, text, "team.policy", &fault), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(trust_read(&story.b->trust, text, "team.policy", &fault), MU_OK);
     story_join("red");
     story_join("green");
     story_join("blue");
@@ -215,7 +215,7 @@ static void test_those_that_the_policy_allows_get_it(void)
     CU_ASSERT_EQUAL(story_status().refused, 4);
     muster_BrokerStatus s = story_status();
     CU_ASSERT_EQUAL(s.sent, s.delivered + s.refused + s.unknown_name);
-    CU_ASSERT_EQUAL(story.b->counters.directed, 4);
+    CU_ASSERT_EQUAL(story.b->directed, 4);
     CU_ASSERT_EQUAL(s.stored, 0);
 }
 
@@ -261,7 +261,7 @@ static const char *audit_text(void)
 {
     static char line[AUDIT_LINE_MAX];
     struct audit_record r;
-    if (!broker_audit_next(story.b, &r)) {
+    if (!audit_next(&story.b->audit, &r)) {
         return "none";
     }
     CU_ASSERT_EQUAL(audit_line(&r, line), strlen(line));
@@ -297,7 +297,7 @@ static void test_the_audit_has_every_directive(void)
         "\"receiver\": \"nobody\", \"receivers\": 0, \"performative\": \"do\", "
         "\"line\": \"(wander)\", \"allowed\": false}\n");
     struct audit_record r;
-    CU_ASSERT_TRUE_FATAL(broker_audit_next(story.b, &r));
+    CU_ASSERT_TRUE_FATAL(audit_next(&story.b->audit, &r));
     CU_ASSERT_EQUAL(strlen(r.line), 200);
     CU_ASSERT_STRING_EQUAL(audit_text(), "none");
 }
@@ -328,7 +328,7 @@ static void test_limit_audit(void)
     CU_ASSERT_EQUAL(story.b->audit.lost, 3);
     CU_ASSERT_EQUAL(story_status().refused, MU_AUDIT_MAX + 3); /* and refused all the same */
     unsigned taken = 0;
-    for (struct audit_record r; broker_audit_next(story.b, &r); taken++) {
+    for (struct audit_record r; audit_next(&story.b->audit, &r); taken++) {
         CU_ASSERT_FALSE(r.allowed);
     }
     CU_ASSERT_EQUAL(taken, MU_AUDIT_MAX);
@@ -349,7 +349,7 @@ static void test_in_lock_step_the_audit_has_the_run_s_time(void)
     story_up("red", 0, muster_STATE_RUNNING, &m, 1, 0);
     story_up("blue", 0, muster_STATE_RUNNING, NULL, 0, 0);
     struct audit_record r;
-    CU_ASSERT_TRUE_FATAL(broker_audit_next(story.b, &r));
+    CU_ASSERT_TRUE_FATAL(audit_next(&story.b->audit, &r));
     CU_ASSERT_TRUE(r.simulated && r.allowed);
     CU_ASSERT_EQUAL(r.time_ns, 100 * MS);
 }

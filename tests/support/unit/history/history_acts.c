@@ -187,7 +187,8 @@ static void act_nonsense(void)
                     .broker_incarnation = history.life.incarnation,
                     .step = muster_STEP_NOW};
     up.acks = (dds_sequence_muster_Ack){._length = 1, ._maximum = 1, ._buffer = &ack};
-    muster_Entry entry = {.name = words(bad[2]),
+    muster_Entry entry = {.reason = words(""),
+                          .name = words(bad[2]),
                           .kind = (muster_Kind)99,
                           .state = (muster_State)history_roll(9),
                           .home = words("")};

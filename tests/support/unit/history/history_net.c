@@ -23,6 +23,7 @@ void net_register(struct history_process *p)
         const struct actor *a = &p->seats[seat];
         bool said = a->name != NOBODY;
         entries[seat] = (muster_Entry){
+            .reason = words(""),
             .name = words(said ? history_name(a->name) : ""),
             .kind = said && a->name % 2 == 0 ? muster_KIND_ROBOT : muster_KIND_AGENT,
             .state = said && !a->leaving && !a->refused ? a->state : muster_STATE_ABSENT,
@@ -163,10 +164,10 @@ static void feed_mail(struct history_process *p, const struct up_mail *from)
     }
     history_note("%s/%llu #%lu to %s%s: %s %s", m.src, (unsigned long long)from->seq,
                  (unsigned long)mail, dst, from->again ? " again" : "", m.performative, content);
-    uint64_t gaps = history.life.b->counters.gaps;
+    uint64_t gaps = history.life.b->gaps;
     broker_up(history.life.b, &up, life_now_ns());
     muster_BrokerStatus is = life_status();
-    if (history.life.b->counters.gaps > gaps) { /* it waits for one that was lost */
+    if (history.life.b->gaps > gaps) { /* it waits for one that was lost */
         HOLD(is.sent == was.sent && is.waiting == was.waiting);
         return;
     }
