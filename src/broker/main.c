@@ -29,14 +29,12 @@ static const uint64_t DOUBT_NS = 300000000;
 
 struct node {
     struct bus bus;
-    struct broker *broker;
-    struct disk *disk; /* NULL: without a store */
+    struct startup own; /* the broker, its store and its files */
     struct bus_reader registrations, ups, rosters;
     struct bus_writer pages, events;
     struct telemetry health;
     struct beacon herald;
     struct links peers;
-    struct files_audit audit;
     struct outlets bags;
     const muster_Roster *roster;        /* on loan, waits until all of its processes were heard */
     uint64_t roster_ns;                 /* since when */
@@ -104,7 +102,7 @@ static void rosters_take(struct node *p)
         }
         p->roster_ns = 0;
         muster_Roster ended = {.simulator = p->roster->simulator, .lockstep = false};
-        broker_roster(p->broker, life == BUS_DATA ? p->roster : &ended, post_now(p));
+        broker_roster(p->own.broker, life == BUS_DATA ? p->roster : &ended, post_now(p));
         mu_text_copy(p->simulator, sizeof p->simulator, p->roster->simulator);
         p->roster = NULL;
     }
@@ -116,7 +114,7 @@ static void up_take(struct node *p, const muster_Up *up)
     if (bag) {
         bag->heard_ns = mu_clock_ns();
     }
-    broker_up(p->broker, up, post_now(p));
+    broker_up(p->own.broker, up, post_now(p));
 }
 
 static void ups_take(struct node *p)
@@ -147,9 +145,9 @@ static bool registrations_take(struct node *p)
         some = true;
         ups_take(p);
         if (life == BUS_DATA) {
-            broker_registration(p->broker, r, post_now(p));
+            broker_registration(p->own.broker, r, post_now(p));
         } else {
-            broker_gone(p->broker, r->process, r->part, life == BUS_LOST, post_now(p));
+            broker_gone(p->own.broker, r->process, r->part, life == BUS_LOST, post_now(p));
         }
     }
     return some;
@@ -160,7 +158,7 @@ static bool post_take(struct node *p)
 {
     bool some = registrations_take(p);
     ups_take(p);
-    links_take(&p->peers, p->broker, post_now(p));
+    links_take(&p->peers, p->own.broker, post_now(p));
     rosters_take(p);
     return some || p->roster;
 }
@@ -173,13 +171,13 @@ static bool deliveries_write(struct node *p)
     const char *process;
     muster_Delivery delivery;
     bool all = true;
-    while (broker_next(p->broker, &process, &delivery)) {
+    while (broker_next(p->own.broker, &process, &delivery)) {
         const struct bus_writer *writer = outlets_writer(&p->bags, process);
         if (!writer || bus_write(writer, &delivery) != MU_OK) {
-            broker_undelivered(p->broker);
+            broker_undelivered(p->own.broker);
             all = false;
         } else {
-            broker_delivered(p->broker, post_now(p));
+            broker_delivered(p->own.broker, post_now(p));
         }
     }
     return all;
@@ -188,9 +186,9 @@ static bool deliveries_write(struct node *p)
 static void pages_publish(struct node *p)
 {
     muster_Page page;
-    while (broker_page_news(p->broker, &page)) {
+    while (broker_page_news(p->own.broker, &page)) {
         if (bus_write(&p->pages, &page) != MU_OK) {
-            broker_page_untold(p->broker, &page);
+            broker_page_untold(p->own.broker, &page);
             return;
         }
     }
@@ -199,7 +197,7 @@ static void pages_publish(struct node *p)
 static void alerts_tell(struct node *p)
 {
     muster_BrokerEvent event;
-    while (broker_event_next(p->broker, &event)) {
+    while (broker_event_next(p->own.broker, &event)) {
         mu_result written = bus_write(&p->events, &event);
         (void)written; /* the counters, which are told again and again, have it too */
         mu_log(MU_LOG_INFO, event.kind, "agent=%s sender=%s count=%llu", event.agent, event.sender,
@@ -215,7 +213,7 @@ static const int64_t OUTSIDE_PATIENCE_NS = 2000000;
 static int64_t wait_ns(const struct node *p, bool impatient)
 {
     uint64_t now_ns = post_now(p);
-    uint64_t due_ns = broker_deadline_ns(p->broker);
+    uint64_t due_ns = broker_deadline_ns(p->own.broker);
     uint64_t most_ns = impatient || p->roster ? (uint64_t)IMPATIENT_NS : LOOK_NS;
     uint64_t until_ns = due_ns > now_ns ? due_ns - now_ns : 0;
     return (int64_t)(until_ns < most_ns ? until_ns : most_ns);
@@ -225,7 +223,7 @@ static int64_t wait_ns(const struct node *p, bool impatient)
  * speaks is heard at once. */
 static void samples_await(struct node *p, bool impatient)
 {
-    uint64_t wanted = broker_samples_wanted(p->broker);
+    uint64_t wanted = broker_samples_wanted(p->own.broker);
     int64_t most_ns = wait_ns(p, impatient);
     int64_t whole_ns = most_ns < OUTSIDE_PATIENCE_NS ? most_ns : OUTSIDE_PATIENCE_NS;
     if (wanted < 2) {
@@ -239,35 +237,35 @@ static void samples_await(struct node *p, bool impatient)
 static void store_write(struct node *p)
 {
     muster_Level level;
-    if (p->disk && journal_wanted(p->broker, &level)) {
-        (void)disk_commit(p->disk, p->broker, level, post_now(p));
+    if (p->own.disk && journal_wanted(p->own.broker, &level)) {
+        (void)disk_commit(p->own.disk, p->own.broker, level, post_now(p));
     }
 }
 
 static void post_round(struct node *p)
 {
     beacon_hear(&p->herald);
-    beacon_tell(&p->herald, p->broker, &p->bags);
-    links_follow(&p->peers, &p->herald.beacons.others, p->broker, post_now(p));
+    beacon_tell(&p->herald, p->own.broker, &p->bags);
+    links_follow(&p->peers, &p->herald.beacons.others, p->own.broker, post_now(p));
     p->unmatched = post_take(p) || p->unmatched;
     bool look = mu_clock_ns() - p->looked_ns >= LOOK_NS;
     if (look || p->unmatched) {
-        outlets_follow(&p->bags, p->broker);
-        p->unmatched = outlets_look(&p->bags, p->broker, p->simulator, look, post_now(p));
+        outlets_follow(&p->bags, p->own.broker);
+        p->unmatched = outlets_look(&p->bags, p->own.broker, p->simulator, look, post_now(p));
     }
     bool impatient = p->unmatched;
-    broker_tick(p->broker, post_now(p));
+    broker_tick(p->own.broker, post_now(p));
     store_write(p);
-    impatient = !links_tell(&p->peers, p->broker) || impatient;
+    impatient = !links_tell(&p->peers, p->own.broker) || impatient;
     impatient = !deliveries_write(p) || impatient;
     pages_publish(p);
     alerts_tell(p);
-    files_audit_write(&p->audit, p->broker);
+    files_audit_write(&p->own.audit, p->own.broker);
     if (look) {
         p->looked_ns = mu_clock_ns();
-        telemetry_tell(&p->health, p->broker, p->looked_ns);
-        if (p->disk) {
-            disk_rest(p->disk, post_now(p));
+        telemetry_tell(&p->health, p->own.broker, p->looked_ns);
+        if (p->own.disk) {
+            disk_rest(p->own.disk, post_now(p));
         }
     }
     samples_await(p, impatient);
@@ -280,7 +278,7 @@ static void doubt_settle(struct node *p, bool is_lone)
     uint64_t until_ns = post_now(p) + DOUBT_NS;
     while (!is_lone && !h->yields && !mu_signal_came && post_now(p) < until_ns) {
         beacon_hear(h);
-        beacon_tell(h, p->broker, &p->bags);
+        beacon_tell(h, p->own.broker, &p->bags);
         bus_wait(&p->bus, 1, IMPATIENT_NS);
     }
     h->sure = true;
@@ -327,12 +325,8 @@ int main(int argc, char **argv)
     struct node *p = mu_startup_alloc(sizeof *p);
     p->began_ns = mu_clock_ns();
     const struct mu_network *network = &settings.network;
-    struct startup opening = {0};
-    code = startup_run(&opening, &settings, name);
-    p->broker = opening.broker;
-    p->disk = opening.disk;
-    p->audit = opening.audit;
-    code = code == MU_EXIT_DONE ? network_join(p, network, &opening.options) : code;
+    code = startup_run(&p->own, &settings, name);
+    code = code == MU_EXIT_DONE ? network_join(p, network, &p->own.options) : code;
     if (code != MU_EXIT_DONE) {
         return code;
     }
@@ -346,11 +340,11 @@ int main(int argc, char **argv)
     }
     beacon_close(&p->herald);
     if (!p->herald.yields) {
-        telemetry_close(&p->health, p->broker);
+        telemetry_close(&p->health, p->own.broker);
     }
     bus_close(&p->bus);
-    if (p->disk) {
-        disk_close(p->disk);
+    if (p->own.disk) {
+        disk_close(p->own.disk);
     }
     return p->herald.yields ? MU_EXIT_DDS : MU_EXIT_DONE;
 }

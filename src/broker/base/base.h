@@ -133,7 +133,7 @@ static inline uint64_t changelog_version(const struct changelog *c, uint32_t lin
     return c->lines[line].version;
 }
 
-/** A line is no more; changelog_gone tells of that, and nothing else does. */
+/** A line is no more: it is in the list of those that are gone, until changelog_gone takes it. */
 void changelog_remove(struct changelog *c, uint32_t line);
 
 /** @return a line that is no more, or was not for a while, each once; or MU_NONE */
@@ -241,12 +241,6 @@ bool alerts_next(struct alerts *e, uint64_t now_ns, struct alert *out);
 
 /** @return whether what is said of an agent fits; its name may still be no good one */
 bool validate_entry(const muster_Entry *e, bool of_a_broker);
-
-/** @return whether a run can be at that step: if it goes by steps, they are counted and timed */
-bool validate_step(int64_t step, uint64_t step_ns, bool by_steps);
-
-/** @return whether these can be the processes of a run; its simulator is none of them */
-bool validate_members(const char *simulator, char *const *processes, uint32_t count);
 
 /** @return whether a process may have that name, which is a DDS partition, too */
 bool validate_process_name(const char *name);

@@ -51,24 +51,6 @@ void mailbox_end(struct mailbox *m, uint32_t agent)
     }
 }
 
-/* --- limits ----------------------------------------------------------------------------------- */
-
-void mailbox_set_defaults(struct mailbox *m, muster_BoxPolicy policy, uint32_t mails,
-                          uint32_t bytes)
-{
-    m->limits =
-        (struct box_limits){.policy = policy,
-                            .mails = mailbox_limit(mails, MU_BOX_MAX, MU_BOX_MAX),
-                            .bytes = mailbox_limit(bytes, MU_BOX_BYTES_MAX, MU_BOX_BYTES_MAX)};
-}
-
-void mailbox_set_limits(struct mailbox *m, uint32_t agent, muster_BoxPolicy policy, uint32_t mails,
-                        uint32_t bytes)
-{
-    mailbox_box(m, agent)->limits =
-        (struct box_limits){.policy = policy, .mails = mails, .bytes = bytes};
-}
-
 /* --- lists of posts --------------------------------------------------------------------------- */
 
 static struct mu_links links_of(const struct mailbox *m, enum post_links links)

@@ -89,7 +89,8 @@ struct post {
     bool veiled;   /* see struct mail */
 };
 
-/* What a box may hold, and what happens when it is full. */
+/* What a box may hold, and what happens when it is full; of one box, BOX_REFUSE_NEW and 0 are the
+ * broker's defaults. */
 struct box_limits {
     muster_BoxPolicy policy;
     uint32_t mails, bytes;
@@ -137,25 +138,6 @@ static inline struct box *mailbox_box(struct mailbox *m, uint32_t agent)
 /** An agent's name ends, whose box is empty.  Boxes that begin later count from beyond its numbers:
  * a receiver that comes back drops none of them as had. */
 void mailbox_end(struct mailbox *m, uint32_t agent);
-
-/**
- * Sets the limits of all boxes that have none of their own.
- *
- * @param mails  at most MU_BOX_MAX; 0: that many
- * @param bytes  at most MU_BOX_BYTES_MAX; 0: that many
- */
-void mailbox_set_defaults(struct mailbox *m, muster_BoxPolicy policy, uint32_t mails,
-                          uint32_t bytes);
-
-/**
- * Sets the limits of one box; what is in it already stays.
- *
- * @param policy  BOX_REFUSE_NEW: the broker's default
- * @param mails   0: the broker's default
- * @param bytes   0: the broker's default
- */
-void mailbox_set_limits(struct mailbox *m, uint32_t agent, muster_BoxPolicy policy, uint32_t mails,
-                        uint32_t bytes);
 
 /** @return what is wanted, or what holds otherwise, and at most the most */
 static inline uint32_t mailbox_limit(uint32_t wanted, uint32_t otherwise, uint32_t most)

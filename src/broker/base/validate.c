@@ -3,31 +3,12 @@
 
 #include "core/name.h"
 
-#include <string.h>
-
 /* Only a broker speaks for agents that live elsewhere. */
 bool validate_entry(const muster_Entry *e, bool of_a_broker)
 {
     return validate_kind_word(e->kind) && validate_state_word(e->state) &&
            (unsigned)e->full <= muster_BOX_DROP_LOWEST &&
            (e->home[0] == '\0' || (of_a_broker && mu_name_valid(e->home)));
-}
-
-bool validate_step(int64_t step, uint64_t step_ns, bool by_steps)
-{
-    if (step < 0 || step_ns == 0) {
-        return !by_steps;
-    }
-    return (uint64_t)step + 2 <= (uint64_t)INT64_MAX / step_ns;
-}
-
-bool validate_members(const char *simulator, char *const *processes, uint32_t count)
-{
-    bool good = validate_process_name(simulator);
-    for (uint32_t i = 0; i < count && good; i++) {
-        good = validate_process_name(processes[i]) && strcmp(processes[i], simulator) != 0;
-    }
-    return good;
 }
 
 bool validate_process_name(const char *name)

@@ -72,10 +72,9 @@ static void marks_clear(struct broker *b)
         b->registry.agents[j->agents[--j->agents_count]].unsaved = false;
     }
     for (int i = 0; i < LINES_KINDS; i++) {
-        struct journal_slots *s = &j->slots[i];
-        s->reset = false;
-        while (s->count > 0) {
-            s->is_marked[s->marked[--s->count]] = false;
+        struct changelog *c = &journal_table(b, (enum lines_kind)i)->changes;
+        j->lines[i] = (struct journal_lines){.saved = c->version};
+        while (changelog_gone(c) != MU_NONE) {
         }
     }
     for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
@@ -258,7 +257,7 @@ static bool restore_line(struct broker *b, const struct journal_entry *e)
     if ((unsigned)e->lines >= LINES_KINDS || !b->journal.on) {
         return false;
     }
-    struct journal_slots *s = &b->journal.slots[e->lines];
+    struct journal_lines *s = &b->journal.lines[e->lines];
     bool taken = l->stamp_ns <= JOURNAL_NUMBER_MAX && line_take(b, e->lines, l);
     s->reset = s->reset || taken;
     if (taken && e->lines == LINES_GROUPS && l->present) {

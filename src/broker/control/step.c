@@ -320,11 +320,30 @@ static void roster_take(struct broker *b, const muster_Roster *roster)
     deliveries_owe(b);
 }
 
+/* @return whether a run can be at that step: if it goes by steps, they are counted and timed */
+static bool step_is_good(int64_t step, uint64_t step_ns, bool by_steps)
+{
+    if (step < 0 || step_ns == 0) {
+        return !by_steps;
+    }
+    return (uint64_t)step + 2 <= (uint64_t)INT64_MAX / step_ns;
+}
+
+/* @return whether these can be the processes of a run; its simulator is none of them */
+static bool members_are_good(const char *simulator, char *const *processes, uint32_t count)
+{
+    bool good = validate_process_name(simulator);
+    for (uint32_t i = 0; i < count && good; i++) {
+        good = validate_process_name(processes[i]) && strcmp(processes[i], simulator) != 0;
+    }
+    return good;
+}
+
 void broker_roster(struct broker *b, const muster_Roster *roster, uint64_t now_ns)
 {
     broker_enter(b, now_ns);
-    if (validate_step(roster->step, roster->step_ns, roster->lockstep) &&
-        validate_members(roster->simulator, roster->processes._buffer, roster->processes._length)) {
+    if (step_is_good(roster->step, roster->step_ns, roster->lockstep) &&
+        members_are_good(roster->simulator, roster->processes._buffer, roster->processes._length)) {
         roster_take(b, roster);
     } else {
         b->counters.malformed++;

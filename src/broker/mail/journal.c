@@ -222,12 +222,3 @@ struct lines *journal_table(struct broker *b, enum lines_kind lines)
 {
     return lines == LINES_GROUPS ? &b->pages.groups : &b->pages.services;
 }
-
-void journal_line_changed(struct broker *b, enum lines_kind lines, uint32_t slot)
-{
-    struct journal_slots *s = &b->journal.slots[lines];
-    if (b->journal.on && !s->is_marked[slot]) {
-        s->is_marked[slot] = true;
-        s->marked[s->count++] = slot;
-    }
-}

@@ -31,7 +31,6 @@
 
 enum {
     JOURNAL_BUCKETS = 65536,
-    JOURNAL_SLOTS = MU_MEMBERSHIPS_MAX > MU_SERVICES_MAX ? MU_MEMBERSHIPS_MAX : MU_SERVICES_MAX,
     JOURNAL_WAITING_BYTES = REGISTRY_MAX * (MU_NAME_MAX + 1) + 32,
     JOURNAL_RESERVE = 1 << 20, /* numbers of a sender that are reserved at once */
 };
@@ -71,11 +70,9 @@ struct journal_entry {
     const char *snapshot; /* of that agent; "": it has none any more */
 };
 
-struct journal_slots {
-    uint32_t marked[JOURNAL_SLOTS];
-    bool is_marked[JOURNAL_SLOTS];
-    uint32_t count;
-    bool reset; /* lines of an earlier life are still on disk */
+struct journal_lines {
+    uint64_t saved; /* their version that is on disk */
+    bool reset;     /* lines of an earlier life are still there */
 };
 
 /* Where journal_next goes on. */
@@ -83,7 +80,7 @@ struct journal_cursor {
     uint32_t agent;
     struct mail *mail;
     enum lines_kind lines;
-    uint32_t line;
+    uint32_t line, gone; /* the next one that has changed, or is no more */
     uint32_t snapshot;
     bool clock_done, begun;
 };
@@ -98,7 +95,7 @@ struct journal {
     struct mail_list mails;        /* that are marked, in order of routing */
     uint32_t agents[REGISTRY_MAX]; /* marked names */
     uint32_t agents_count;
-    struct journal_slots slots[LINES_KINDS];
+    struct journal_lines lines[LINES_KINDS];
     uint64_t run_wall_ns;                  /* as it is on disk */
     struct mail *buckets[JOURNAL_BUCKETS]; /* durable mails by sender and number */
     struct journal_cursor at;
@@ -168,9 +165,6 @@ static inline struct mail *journal_find(struct journal *j, uint32_t sender, uint
 
 /** @return the groups or the services */
 struct lines *journal_table(struct broker *b, enum lines_kind lines);
-
-/** A line has changed, come or gone. */
-void journal_line_changed(struct broker *b, enum lines_kind lines, uint32_t slot);
 
 /* --- for the owner of the disk ---------------------------------------------------------------- */
 

@@ -8,12 +8,13 @@ uint64_t journal_run_wall_ns(const struct broker *b)
     return by_the_wall ? b->clock.wall_ns + b->clock.base_ns - b->clock.run_ns : 0;
 }
 
-static bool something_is_marked(const struct broker *b)
+static bool something_is_marked(struct broker *b)
 {
     const struct journal *j = &b->journal;
     bool marked = j->mails.first || j->agents_count || j->run_wall_ns != journal_run_wall_ns(b);
     for (int i = 0; i < LINES_KINDS; i++) {
-        marked = marked || j->slots[i].count || j->slots[i].reset;
+        const struct changelog *c = &journal_table(b, (enum lines_kind)i)->changes;
+        marked = marked || c->version > j->lines[i].saved || c->gone.count || j->lines[i].reset;
     }
     for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
         marked = marked || b->snapshots.snapshots[i].unsaved;
@@ -131,19 +132,30 @@ static struct line_word line_kept(struct broker *b, enum lines_kind lines, uint3
 
 static bool next_line(struct broker *b, struct journal_entry *e)
 {
-    struct journal *j = &b->journal;
-    for (; j->at.lines < LINES_KINDS; j->at.lines++, j->at.line = 0, j->at.begun = false) {
-        struct journal_slots *s = &j->slots[j->at.lines];
-        e->lines = j->at.lines;
-        if (s->reset && !j->at.begun) {
-            j->at.begun = true;
-            e->kind = JOURNAL_RESET;
-            return true;
+    struct journal_cursor *at = &b->journal.at;
+    for (; at->lines < LINES_KINDS; at->lines++, at->begun = false) {
+        const struct journal_lines *l = &b->journal.lines[at->lines];
+        const struct changelog *c = &journal_table(b, at->lines)->changes;
+        e->lines = at->lines;
+        if (!at->begun) {
+            at->begun = true;
+            at->line = changelog_after(c, l->saved);
+            at->gone = mu_list_first(&c->gone);
+            if (l->reset) {
+                e->kind = JOURNAL_RESET;
+                return true;
+            }
         }
-        if (j->at.line < s->count) {
+        uint32_t slot = at->gone != MU_NONE ? at->gone : at->line;
+        if (slot != MU_NONE) {
+            if (at->gone != MU_NONE) {
+                at->gone = mu_list_next(MU_LINKS(c->lines, gone), slot);
+            } else {
+                at->line = changelog_next(c, slot);
+            }
             e->kind = JOURNAL_LINE;
-            e->slot = s->marked[j->at.line++];
-            e->line = line_kept(b, e->lines, e->slot);
+            e->slot = slot;
+            e->line = line_kept(b, e->lines, slot);
             return true;
         }
     }

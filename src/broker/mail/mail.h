@@ -83,9 +83,6 @@ static inline bool recipients_veils(const struct registry *r, const struct mail 
 /** Takes those outside out of it: they are not reached. */
 void recipients_unveil(const struct broker *b, const struct mail *m, struct recipients *to);
 
-/** @return the agent in whose name it is to change something, if it names one; else MU_NONE */
-uint32_t recipients_named(const struct broker *b, const struct mail *question);
-
 /** @return whether it is a change that names an agent inside */
 bool recipients_has_member_change(const struct broker *b, const struct mail *question);
 

@@ -132,29 +132,6 @@ void recipients_of_letter(struct broker *b, const muster_Mail *letter, uint32_t 
     }
 }
 
-/* Whether one agent may speak for another is for the broker of the other to say: a change in the
- * name of an agent beyond another broker goes there, as its mail does. @return the receiver */
-static uint32_t desk_of(const struct broker *b, const struct mail *m)
-{
-    uint32_t agent = recipients_named(b, m);
-    bool is_elsewhere = agent != MU_NONE && agent != m->sender &&
-                        names_is_beyond(&b->registry, &b->processes, agent) &&
-                        !view_inside(b, m->sender);
-    return is_elsewhere ? agent : REGISTRY_BROKER;
-}
-
-void recipients_of_mail(struct broker *b, const struct mail *m, struct recipients *to)
-{
-    bool is_question = m->letter.layer == 2 && strcmp(m->letter.dst, "broker") == 0;
-    if (m->only == MU_NONE && !is_question) {
-        recipients_of_letter(b, &m->letter, m->sender, to);
-        return;
-    }
-    to->unknown = to->refused = 0;
-    to->count = 1;
-    to->agents[0] = is_question ? desk_of(b, m) : m->only;
-}
-
 /* The verbs of questions and changes. */
 static const struct {
     const char *performative;
@@ -185,7 +162,8 @@ enum recipients_verb recipients_verb(const struct mail *question)
     return verb;
 }
 
-uint32_t recipients_named(const struct broker *b, const struct mail *question)
+/* @return the agent in whose name it is to change something, if it names one; else MU_NONE */
+static uint32_t agent_named(const struct broker *b, const struct mail *question)
 {
     enum recipients_verb verb = recipients_verb(question);
     unsigned names = verb < VERB_VERBS ? verbs[verb].names : 0;
@@ -202,8 +180,31 @@ uint32_t recipients_named(const struct broker *b, const struct mail *question)
     return whole ? registry_find(&b->registry, name) : MU_NONE;
 }
 
+/* Whether one agent may speak for another is for the broker of the other to say: a change in the
+ * name of an agent beyond another broker goes there, as its mail does. @return the receiver */
+static uint32_t desk_of(const struct broker *b, const struct mail *m)
+{
+    uint32_t agent = agent_named(b, m);
+    bool is_elsewhere = agent != MU_NONE && agent != m->sender &&
+                        names_is_beyond(&b->registry, &b->processes, agent) &&
+                        !view_inside(b, m->sender);
+    return is_elsewhere ? agent : REGISTRY_BROKER;
+}
+
+void recipients_of_mail(struct broker *b, const struct mail *m, struct recipients *to)
+{
+    bool is_question = m->letter.layer == 2 && strcmp(m->letter.dst, "broker") == 0;
+    if (m->only == MU_NONE && !is_question) {
+        recipients_of_letter(b, &m->letter, m->sender, to);
+        return;
+    }
+    to->unknown = to->refused = 0;
+    to->count = 1;
+    to->agents[0] = is_question ? desk_of(b, m) : m->only;
+}
+
 bool recipients_has_member_change(const struct broker *b, const struct mail *question)
 {
-    uint32_t agent = recipients_named(b, question);
+    uint32_t agent = agent_named(b, question);
     return agent != MU_NONE && view_inside(b, agent);
 }

@@ -10,12 +10,15 @@
 static const uint64_t HEARTBEAT_NS = 300000000;
 
 static char nothing[1];
-static char version[] = MU_VERSION;
+
+static struct mu_links due_links(struct federation *l)
+{
+    return (struct mu_links){l->due, sizeof l->due[0]};
+}
 
 static void part_mark(struct federation *l, uint32_t part)
 {
-    l->due_count += !l->due[part];
-    l->due[part] = true;
+    (void)mu_list_append(&l->parts, due_links(l), part);
 }
 
 static uint32_t agents_said(const struct broker *b)
@@ -98,14 +101,10 @@ bool broker_announcement(struct broker *b, muster_Registration *out)
         return false;
     }
     changelog_mark(b);
-    if (l->due_count == 0) {
+    uint32_t part = mu_list_first(&l->parts);
+    if (part == MU_NONE) {
         return false;
     }
-    uint32_t part = 0;
-    while (!l->due[part]) {
-        part++;
-    }
-    l->part_open = part;
     uint32_t first = part * MU_PART_AGENTS, count = agents_said(b) - first;
     count = count < MU_PART_AGENTS ? count : MU_PART_AGENTS;
     for (uint32_t i = 0; i < count; i++) {
@@ -114,7 +113,7 @@ bool broker_announcement(struct broker *b, muster_Registration *out)
     *out = (muster_Registration){.process = b->place,
                                  .part = part,
                                  .wire = muster_WIRE,
-                                 .version = version,
+                                 .version = sample_text(MU_VERSION),
                                  .broker = nothing,
                                  .incarnation = b->incarnation,
                                  .host = sample_text(b->registry.agents[REGISTRY_BROKER].is.host),
@@ -127,8 +126,7 @@ bool broker_announcement(struct broker *b, muster_Registration *out)
 void broker_announced(struct broker *b)
 {
     struct federation *l = &b->federation;
-    l->due[l->part_open] = false;
-    l->due_count--;
+    (void)mu_list_take(&l->parts, due_links(l));
     l->count.announced++;
 }
 

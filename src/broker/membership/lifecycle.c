@@ -149,7 +149,8 @@ static void box_follow(struct broker *b, uint32_t agent, const struct presence *
     if (is->full != was->full || is->box_mails != was->box_mails ||
         is->box_bytes != was->box_bytes) {
         uint32_t bytes = is->box_bytes < UINT32_MAX ? (uint32_t)is->box_bytes : UINT32_MAX;
-        mailbox_set_limits(&b->mailbox, agent, is->full, is->box_mails, bytes);
+        mailbox_box(&b->mailbox, agent)->limits =
+            (struct box_limits){.policy = is->full, .mails = is->box_mails, .bytes = bytes};
     }
 }
 

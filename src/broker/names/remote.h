@@ -121,9 +121,8 @@ struct federation {
     uint64_t version_said;
     bool missed;      /* an agent beyond another broker had no place in the white pages */
     uint64_t beat_ns; /* the next heartbeat */
-    bool due[MU_PARTS_MAX];
-    uint32_t due_count;
-    uint32_t part_open;
+    struct mu_link due[MU_PARTS_MAX];
+    struct mu_list parts; /* that are due */
     muster_Entry entries[MU_PART_AGENTS];
     /* relay.c */
     uint32_t peer_open;

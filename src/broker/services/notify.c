@@ -60,18 +60,6 @@ static void subscribers_tell(struct broker *b, uint64_t since)
     }
 }
 
-/* Lines that have changed, come or gone are to be on disk. */
-static void lines_mark(struct broker *b, enum lines_kind kind, struct lines *l)
-{
-    for (uint32_t line; (line = changelog_gone(&l->changes)) != MU_NONE;) {
-        journal_line_changed(b, kind, line);
-    }
-    CHANGELOG_EACH (line, &l->changes, l->seen) {
-        journal_line_changed(b, kind, line);
-    }
-    l->seen = l->changes.version;
-}
-
 void notify_tell(struct broker *b)
 {
     struct pages *p = &b->pages;
@@ -79,8 +67,8 @@ void notify_tell(struct broker *b)
     if (since == p->services.changes.version && p->groups.seen == p->groups.changes.version) {
         return;
     }
-    lines_mark(b, LINES_GROUPS, &p->groups);
-    lines_mark(b, LINES_SERVICES, &p->services);
+    p->groups.seen = p->groups.changes.version;
+    p->services.seen = p->services.changes.version;
     subscribers_tell(b, since);
     for (uint32_t i = 0; i < b->processes.top; i++) {
         if (view_place_is_told(&b->processes.at[i])) {

@@ -19,8 +19,8 @@ static void team(void)
 
 static void limit(const char *name, muster_BoxPolicy policy, uint32_t mails, uint32_t bytes)
 {
-    mailbox_set_limits(&story.b->mailbox, registry_find(&story.b->registry, name), policy, mails,
-                       bytes);
+    mailbox_box(&story.b->mailbox, registry_find(&story.b->registry, name))->limits =
+        (struct box_limits){.policy = policy, .mails = mails, .bytes = bytes};
 }
 
 static muster_Mail next_letter(const char *src, const char *dst, const char *content)
@@ -206,7 +206,8 @@ static void test_a_box_counts_bytes(void)
 static void test_the_brokers_defaults(void)
 {
     team();
-    mailbox_set_defaults(&story.b->mailbox, muster_BOX_DROP_OLDEST, 2, 0);
+    story.b->mailbox.limits.policy = muster_BOX_DROP_OLDEST;
+    story.b->mailbox.limits.mails = 2;
     say("red", "one", 0);
     say("blue", "two", 0);
     say("operator", "three", 0);

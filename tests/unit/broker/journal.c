@@ -549,7 +549,7 @@ static void test_bad_lines_stay_on_disk(void)
     e = good;
     e.line.stamp_ns = JOURNAL_NUMBER_MAX + 1;
     restore_bad(e);
-    CU_ASSERT_FALSE(story.b->journal.slots[LINES_GROUPS].reset);
+    CU_ASSERT_FALSE(story.b->journal.lines[LINES_GROUPS].reset);
     CU_ASSERT_TRUE(durable_restore(story.b, &good));
     CU_ASSERT_TRUE(is_member("scouts", "red"));
 }

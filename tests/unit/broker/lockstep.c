@@ -676,7 +676,7 @@ static void test_boxes_outside_tell_nothing_inside(void)
 {
     run_begin();
     uint32_t operator= registry_find(&story.b->registry, "operator");
-    mailbox_set_limits(&story.b->mailbox, operator, muster_BOX_REFUSE_NEW, 1, 0);
+    mailbox_box(&story.b->mailbox, operator)->limits = (struct box_limits){.mails = 1};
     answer_with(letter("red", 1, "operator", "one"), 0);
     answer_with(letter("green", 1, "operator", "two"), 0);
     EXPECT("operator #1 green/1 two; p-green@0; green 1-1 stored; p-red@0; red 1-1 stored; sim@0");
