@@ -53,12 +53,11 @@ void federation_lose(struct broker *b, uint32_t place)
 static void numbers_forget(struct broker *b, struct peer *p)
 {
     for (uint32_t i = 0; i < b->registry.count; i++) {
-        if (p->taken[i] > 0) { /* memory of others stays untouched */
-            p->taken[i] = 0;
-            p->ack_due[i] = false;
+        if (p->boxes[i].taken > 0) { /* memory of others stays untouched */
+            p->boxes[i].taken = 0;
+            (void)mu_list_remove(&p->acks, MU_LINKS(p->boxes, ack), i);
         }
     }
-    p->acks_count = 0;
 }
 
 struct peer *federation_meet(struct broker *b, const char *name, uint64_t incarnation)

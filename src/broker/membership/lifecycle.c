@@ -17,7 +17,7 @@ void lifecycle_refuse_held(struct broker *b, uint32_t agent, uint32_t place, con
 static struct claim claim_take(struct broker *b, uint32_t index)
 {
     struct claim claim = b->claims.at[index];
-    claims_drop(&b->claims, &b->registry.agents[claim.agent].claim, index);
+    claims_drop(&b->claims, &b->registry.agents[claim.agent].claims, index);
     b->processes.at[claim.process].claims--;
     return claim;
 }
@@ -40,8 +40,8 @@ static void claims_review(struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
     uint32_t behind = MU_NONE;
-    for (uint32_t i = a->claim; i != MU_NONE; i = behind) {
-        behind = b->claims.at[i].behind;
+    for (uint32_t i = mu_list_first(&a->claims); i != MU_NONE; i = behind) {
+        behind = mu_list_next(MU_LINKS(b->claims.at, behind), i);
         if (b->claims.at[i].process == a->process) {
             lifecycle_end_claim(b, i);
         } else if (is_out_of_date(&b->claims.at[i].presence, &a->is)) {
@@ -55,15 +55,12 @@ static void claims_review(struct broker *b, uint32_t agent)
 /* All that wait for a name begin anew, in the order that they have. */
 static void claims_renew(struct broker *b, uint32_t agent)
 {
-    uint32_t *first = &b->registry.agents[agent].claim, count = 0;
-    for (uint32_t i = *first; i != MU_NONE; i = b->claims.at[i].behind) {
-        count++;
-    }
-    for (; count > 0; count--) {
-        struct claim claim = b->claims.at[*first];
-        claims_drop(&b->claims, first, *first);
+    struct mu_list *of = &b->registry.agents[agent].claims;
+    for (uint32_t count = of->count; count > 0; count--) {
+        struct claim claim = b->claims.at[mu_list_first(of)];
+        claims_drop(&b->claims, of, mu_list_first(of));
         claim.until_ns = names_hold_end_ns(b);
-        bool fits = claims_add(&b->claims, first, &claim);
+        bool fits = claims_add(&b->claims, of, &claim);
         MU_ASSERT(fits);
     }
 }
@@ -77,13 +74,13 @@ void lifecycle_claim(struct broker *b, uint32_t agent, uint32_t place, uint32_t 
                                 .slot = slot,
                                 .until_ns = names_hold_end_ns(b),
                                 .presence = *is};
-    uint32_t had = claims_find(&b->claims, a->claim, place);
+    uint32_t had = claims_find(&b->claims, &a->claims, place);
     if (is_out_of_date(is, &a->is)) {
         processes_refuse(&b->processes, place, a->name, muster_REFUSAL_OUT_OF_DATE, "out of date");
     } else if (had != MU_NONE) {
         b->claims.at[had].slot = slot;
         b->claims.at[had].presence = *is;
-    } else if (claims_add(&b->claims, &a->claim, &claim)) {
+    } else if (claims_add(&b->claims, &a->claims, &claim)) {
         b->processes.at[place].claims++;
     } else {
         lifecycle_refuse_held(b, agent, place, a->is.home);
@@ -99,20 +96,21 @@ bool lifecycle_is_copy(const struct agent *a, const struct presence *is)
 static uint32_t copy_claim(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
-    uint32_t i = a->claim;
-    while (i != MU_NONE && !lifecycle_is_copy(a, &b->claims.at[i].presence)) {
-        i = b->claims.at[i].behind;
+    MU_LIST_EACH (i, &a->claims, MU_LINKS(b->claims.at, behind)) {
+        if (lifecycle_is_copy(a, &b->claims.at[i].presence)) {
+            return i;
+        }
     }
-    return i;
+    return MU_NONE;
 }
 
 /* A name without a bearer goes to the process that waits for it, if a run lets it. */
 static void claims_grant(struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
-    while (a->process == MU_NONE && a->claim != MU_NONE) {
+    while (a->process == MU_NONE && a->claims.count > 0) {
         uint32_t copy = copy_claim(b, agent);
-        struct claim heir = claim_take(b, copy != MU_NONE ? copy : a->claim);
+        struct claim heir = claim_take(b, copy != MU_NONE ? copy : mu_list_first(&a->claims));
         if (snapshots_overrule(b, agent, heir.process, &heir.presence)) {
             b->processes.at[heir.process].overruled = true;
             processes_tidy(&b->processes, heir.process);
@@ -214,7 +212,8 @@ void lifecycle_depart(struct broker *b, uint32_t agent)
     if (b->processes.at[place].kind == PROCESS_BROKER) {
         /* It is only out of sight: what it is to be told waits. */
         names_bearer_on(&b->registry, agent, BEARER_AWAITS);
-    } else if (a->let_go || (processes_is_silent(&b->processes.at[place]) && a->claim == MU_NONE)) {
+    } else if (a->let_go ||
+               (processes_is_silent(&b->processes.at[place]) && a->claims.count == 0)) {
         outcome_await(b, agent);
     } else {
         receipts_drop(&b->receipts, agent, receipts_count(&b->receipts, agent));

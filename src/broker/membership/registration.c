@@ -133,7 +133,7 @@ static void slot_leave(struct broker *b, uint32_t agent, uint32_t place, uint32_
                        bool disposed)
 {
     const struct agent *a = &b->registry.agents[agent];
-    uint32_t claim = claims_find(&b->claims, a->claim, place);
+    uint32_t claim = claims_find(&b->claims, &a->claims, place);
     if (claim != MU_NONE) {
         if (b->claims.at[claim].slot == slot) {
             lifecycle_end_claim(b, claim);

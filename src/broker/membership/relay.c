@@ -79,14 +79,6 @@ static void mail_take(struct broker *b, uint32_t agent, uint32_t sender, const m
     route_from_outside(b, m);
 }
 
-static void ack_owe(struct peer *p, uint32_t agent)
-{
-    if (!p->ack_due[agent]) {
-        p->ack_due[agent] = true;
-        p->acks[p->acks_count++] = agent;
-    }
-}
-
 static void parcel_take(struct broker *b, struct peer *p, const muster_Parcel *parcel)
 {
     uint32_t agent = registry_find(&b->registry, parcel->box);
@@ -95,18 +87,18 @@ static void parcel_take(struct broker *b, struct peer *p, const muster_Parcel *p
         b->counters.malformed++;
         return;
     }
-    if (parcel->number <= p->taken[agent]) {
-        ack_owe(p, agent);
+    if (parcel->number <= p->boxes[agent].taken) {
+        (void)mu_list_append(&p->acks, MU_LINKS(p->boxes, ack), agent);
         b->federation.count.repeated++;
         return;
     }
     if (parcel->number !=
-        p->taken[agent] + 1) { /* the neighbour will begin at the lost one again */
+        p->boxes[agent].taken + 1) { /* the neighbour will begin at the lost one again */
         b->gaps++;
         return;
     }
-    ack_owe(p, agent);
-    p->taken[agent] = parcel->number;
+    (void)mu_list_append(&p->acks, MU_LINKS(p->boxes, ack), agent);
+    p->boxes[agent].taken = parcel->number;
     b->federation.count.parcels_in++;
     if (sender == MU_NONE) { /* no room for its name: what follows must not wait until there is */
         b->counters.sent++;
@@ -122,8 +114,8 @@ static void verdict_take(struct broker *b, struct peer *p, const muster_Verdict 
     uint32_t agent = registry_find(&b->registry, v->agent);
     if (agent == MU_NONE || registry_is_own(agent)) {
         b->counters.malformed++;
-    } else if (v->last_seq > p->taken[agent]) {
-        p->taken[agent] = v->last_seq;
+    } else if (v->last_seq > p->boxes[agent].taken) {
+        p->boxes[agent].taken = v->last_seq;
     }
 }
 
@@ -205,52 +197,42 @@ void broker_delivery(struct broker *b, const muster_Delivery *d, uint64_t now_ns
 
 /* --- acknowledgements ------------------------------------------------------------------------- */
 
-/* Moves those to the end whose mail this broker has as safely as it is asked to.
- * @return how many they are */
-static uint32_t acks_ready(const struct broker *b, struct peer *p)
+/* Those whose mail this broker has as safely as it is asked to. */
+static void acks_open(const struct broker *b, struct federation *l, const struct peer *p)
 {
-    uint32_t waiting = 0;
-    for (uint32_t i = 0; i < p->acks_count; i++) {
-        uint32_t agent = p->acks[i];
-        if (b->steps.turns[agent].relayed > 0) {
-            p->acks[i] = p->acks[waiting];
-            p->acks[waiting++] = agent;
+    MU_LIST_EACH (agent, &p->acks, MU_LINKS(p->boxes, ack)) {
+        if (b->steps.turns[agent].relayed == 0 && l->acks_open_count < FEDERATION_ACKS) {
+            l->acks_agents[l->acks_open_count] = agent;
+            l->acks_open[l->acks_open_count++] =
+                (muster_Ack){.box = sample_text(b->registry.agents[agent].name),
+                             .number = p->boxes[agent].taken};
         }
     }
-    return p->acks_count - waiting;
 }
 
 bool broker_up_next(struct broker *b, const char **peer, muster_Up *out)
 {
     struct federation *l = &b->federation;
-    uint32_t i = 0, ready = 0;
-    while (i < l->peers_count && (ready = acks_ready(b, &l->peers[i])) == 0) {
-        i++;
+    l->acks_open_count = 0;
+    for (uint32_t i = 0; i < l->peers_count && l->acks_open_count == 0; i++) {
+        l->peer_open = i;
+        acks_open(b, l, &l->peers[i]);
     }
-    if (i == l->peers_count) {
-        return false;
-    }
-    struct peer *p = &l->peers[i];
-    l->peer_open = i;
-    uint32_t count = ready < FEDERATION_ACKS ? ready : FEDERATION_ACKS;
-    l->acks_open_count = count;
-    for (uint32_t k = 0; k < count; k++) {
-        uint32_t agent = p->acks[p->acks_count - 1 - k];
-        l->acks_open[k] =
-            (muster_Ack){.box = b->registry.agents[agent].name, .number = p->taken[agent]};
-    }
+    const struct peer *p = &l->peers[l->peer_open];
+    uint32_t count = l->acks_open_count;
     *out = (muster_Up){.process = b->place,
                        .broker_incarnation = p->incarnation,
                        .step = muster_STEP_NOW,
                        .acks = {count, count, l->acks_open, false}};
     *peer = p->name;
-    return true;
+    return count > 0;
 }
 
 void broker_up_sent(struct broker *b)
 {
-    struct peer *p = &b->federation.peers[b->federation.peer_open];
-    for (; b->federation.acks_open_count > 0; b->federation.acks_open_count--) {
-        p->ack_due[p->acks[--p->acks_count]] = false;
+    struct federation *l = &b->federation;
+    struct peer *p = &l->peers[l->peer_open];
+    for (uint32_t i = 0; i < l->acks_open_count; i++) {
+        (void)mu_list_remove(&p->acks, MU_LINKS(p->boxes, ack), l->acks_agents[i]);
     }
 }

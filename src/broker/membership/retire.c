@@ -91,23 +91,13 @@ static void hold_alerts(struct broker *b)
     }
 }
 
-static bool has_account(const struct broker *b, uint32_t agent)
-{
-    for (int side = 0; side < QUOTA_SIDES; side++) {
-        const struct quota_use *use = &b->quotas.senders[side][agent];
-        if (use->mails > 0 || use->bytes > 0 || use->posts > 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
 static bool is_held_beyond(const struct broker *b, uint32_t agent)
 {
     const struct federation *l = &b->federation;
     bool held = remote_pauses(l, agent);
     for (uint32_t i = 0; i < l->peers_count && !held; i++) {
-        held = l->peers[i].routes[agent].present || l->peers[i].ack_due[agent];
+        held = l->peers[i].routes[agent].present ||
+               mu_list_has(MU_LINKS(l->peers[i].boxes, ack), agent);
     }
     return held;
 }
@@ -116,8 +106,11 @@ static bool is_absent(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
     uint64_t wall_ns = clock_wall_ns(&b->clock);
-    bool is_nobody = a->name[0] != '\0' && a->process == MU_NONE && a->claim == MU_NONE;
-    bool is_idle = !a->unsaved && !mu_list_has(MU_LINKS(b->limiter.agents, link), agent);
+    bool is_nobody = a->name[0] != '\0' && a->process == MU_NONE && a->claims.count == 0;
+    const struct quota_use *outside = &b->quotas.senders[QUOTA_OUTSIDE][agent];
+    const struct quota_use *inside = &b->quotas.senders[QUOTA_INSIDE][agent];
+    bool is_idle = !a->unsaved && outside->mails + inside->mails == 0 &&
+                   !mu_list_has(MU_LINKS(b->limiter.agents, link), agent);
     return is_nobody && is_idle && !names_is_held(b, agent) && wall_ns > a->since_wall_ns &&
            wall_ns - a->since_wall_ns >=
                (a->named == NAMED_ENDED ? LINGER_NS : b->retirement.expiry_ns);
@@ -219,7 +212,7 @@ static void agent_end(struct broker *b, uint32_t agent)
     mailbox_end(&b->mailbox, agent);
     b->limiter.agents[agent] = (struct paced){.until_ns = 0};
     for (uint32_t i = 0; i < b->federation.peers_count; i++) {
-        b->federation.peers[i].taken[agent] = 0;
+        b->federation.peers[i].boxes[agent].taken = 0;
     }
     registry_remove(&b->registry, agent);
     announce_agent(b, agent);
@@ -254,7 +247,7 @@ void retire_tick(struct broker *b)
     for (uint32_t agent = REGISTRY_OWN; agent < b->registry.count; agent++) {
         const struct agent *a = &b->registry.agents[agent];
         if ((crowded || a->named == NAMED_ENDED) && !t->held[agent] && is_absent(b, agent) &&
-            !has_account(b, agent) && !is_held_beyond(b, agent) && journal_end(b, agent)) {
+            !is_held_beyond(b, agent) && journal_end(b, agent)) {
             agent_end(b, agent);
         } else {
             retire_disposed(b, agent);

@@ -6,9 +6,54 @@
 #ifndef MUSTER_BROKER_NAMES_H
 #define MUSTER_BROKER_NAMES_H
 
-#include "broker/names/graveyard.h"
 #include "broker/names/processes.h"
 #include "broker/names/remote.h"
+
+/* --- graveyard.c ----------------------------------------------------------------------------- */
+
+/*
+ * The numbers of names that have ended, and may come back: by them mail that was sent before is
+ * known to be a duplicate, and new mail is not taken for one.
+ *
+ * It holds the GRAVES_MAX names that have ended last.  A name that is not among them begins as one
+ * that no agent has had.
+ */
+enum { GRAVES_MAX = 65536 };
+
+/* Numbers of an agent's mail. */
+struct mail_numbers {
+    uint64_t seen;      /* the last that it has sent in this life of the broker */
+    uint64_t came;      /* the last that has come in this life, taken or not */
+    uint64_t durable;   /* the last that went to the store, in any life */
+    uint64_t failed;    /* the last that was not delivered, in any life */
+    uint64_t earlier;   /* no mail of an earlier life of the broker has a higher one */
+    uint64_t reserved;  /* on disk: later lives count from here */
+    uint64_t elsewhere; /* no mail that other brokers have had of it has a higher one */
+};
+
+struct grave {
+    char name[MU_NAME_MAX + 1]; /* "": none */
+    muster_Kind saved_kind;     /* as that of struct agent */
+    struct mail_numbers seq;
+};
+
+struct graveyard {
+    struct grave ring[GRAVES_MAX];
+    uint32_t next;
+    struct mu_table names;
+};
+
+/** @return the numbers of a name that has ended, or NULL; valid until the next call */
+struct grave *graveyard_find(struct graveyard *g, const char *name);
+
+/** Makes room for a name that has none there, if need be for the oldest one's. */
+struct grave *graveyard_add(struct graveyard *g, const char *name);
+
+/** An agent's name ends. */
+void graveyard_bury(struct graveyard *g, const struct agent *a);
+
+/** An agent's name has come back: it takes its numbers out. */
+void graveyard_raise(struct graveyard *g, struct agent *a);
 
 /* --- registry.c ------------------------------------------------------------------------------ */
 
@@ -74,7 +119,7 @@ struct agent {
     uint8_t scope;                  /* enum scope: see steps.h */
     uint32_t left;                  /* the seat that a step took it from, or MU_NONE */
     uint64_t left_wall_ns;          /* since when the agent that left it had its name */
-    uint32_t claim;                 /* the first one on its name: see claims.h; MU_NONE: none */
+    struct mu_list claims;          /* on its name: see claims.c */
     struct resident resident;       /* while it has a process */
     struct presence is;
     uint64_t since_wall_ns;
@@ -208,8 +253,8 @@ struct claim {
     uint32_t slot;    /* for this agent of its own */
     uint64_t until_ns;
     struct presence presence;
-    uint32_t behind;     /* the next one on the same name, or MU_NONE */
-    struct mu_link link; /* in order of until_ns */
+    struct mu_link behind; /* on the same name, in the order in which they came */
+    struct mu_link link;   /* of all, in order of until_ns */
 };
 
 struct claims {
@@ -218,17 +263,17 @@ struct claims {
     struct mu_list list;
 };
 
-/** @return the claim of a process among those that begin with `first`, or MU_NONE */
-uint32_t claims_find(const struct claims *c, uint32_t first, uint32_t process);
+/** @return the claim of a process among those of a name, or MU_NONE */
+uint32_t claims_find(const struct claims *c, const struct mu_list *of, uint32_t process);
 
 /**
- * Enters a claim behind those that *first begins; the times of successive ones must not decrease.
+ * Enters a claim behind those of a name; the times of successive ones must not decrease.
  * @return whether there was room
  */
-bool claims_add(struct claims *c, uint32_t *first, const struct claim *claim);
+bool claims_add(struct claims *c, struct mu_list *of, const struct claim *claim);
 
-/** Ends one of the claims that *first begins. */
-void claims_drop(struct claims *c, uint32_t *first, uint32_t index);
+/** Ends one of the claims of a name. */
+void claims_drop(struct claims *c, struct mu_list *of, uint32_t index);
 
 /* --- names.c --------------------------------------------------------------------------------- */
 

@@ -89,7 +89,7 @@ static void order_remove(struct registry *r, uint32_t agent)
 
 static void agent_clear(struct agent *a)
 {
-    *a = (struct agent){.process = MU_NONE, .claim = MU_NONE, .left = MU_NONE};
+    *a = (struct agent){.process = MU_NONE, .left = MU_NONE};
     a->is.state = muster_STATE_ABSENT;
 }
 
@@ -123,7 +123,7 @@ uint32_t registry_add_command(struct registry *r, const char *name)
 void registry_remove(struct registry *r, uint32_t agent)
 {
     struct agent *a = &r->agents[agent];
-    MU_ASSERT(a->process == MU_NONE && a->claim == MU_NONE && !a->unsaved);
+    MU_ASSERT(a->process == MU_NONE && a->claims.count == 0 && !a->unsaved);
     graveyard_bury(&r->graveyard, a);
     order_remove(r, agent);
     (void)mu_table_remove(&r->names, a->name);

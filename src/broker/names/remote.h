@@ -83,6 +83,12 @@ struct route {
     struct presence is; /* the neighbour is one of its hops */
 };
 
+/* The box of an agent at another broker. */
+struct peer_box {
+    uint64_t taken;     /* the last number of it that was taken here */
+    struct mu_link ack; /* of those with an acknowledgement due */
+};
+
 struct peer {
     char name[MU_NAME_MAX + 1];
     char place[MU_PROCESS_MAX + 1];
@@ -91,12 +97,10 @@ struct peer {
     uint64_t heard_ns; /* when this life of it was heard last */
     /* One for each agent of the registry: */
     struct route routes[REGISTRY_MAX];
-    uint64_t taken[REGISTRY_MAX]; /* the last number of its box there that was taken here */
-    bool ack_due[REGISTRY_MAX];
-    uint32_t acks[REGISTRY_MAX]; /* those with an acknowledgement due */
+    struct peer_box boxes[REGISTRY_MAX];
     /* By their slots in its announcement, one more than the indices of those that are there: */
     uint32_t at_slot[REGISTRY_MAX];
-    uint32_t acks_count;
+    struct mu_list acks; /* that are due */
 };
 
 /* An agent without a route waits until it may have one that can be an echo. */
@@ -127,6 +131,7 @@ struct federation {
     /* relay.c */
     uint32_t peer_open;
     muster_Ack acks_open[FEDERATION_ACKS];
+    uint32_t acks_agents[FEDERATION_ACKS];
     uint32_t acks_open_count;
     struct federation_counts count;
 };

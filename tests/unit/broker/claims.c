@@ -150,18 +150,17 @@ static void test_an_heir_makes_older_copies_void(void)
 static void test_claims_have_a_limit(void)
 {
     static struct claims c;
-    static uint32_t first[CLAIMS_MAX];
+    static struct mu_list of[CLAIMS_MAX];
     mu_pool_init(&c.pool, CLAIMS_MAX);
     for (uint32_t i = 0; i < CLAIMS_MAX; i++) {
-        first[i] = MU_NONE;
-        CU_ASSERT_TRUE_FATAL(claims_add(&c, &first[i / 2], &(struct claim){.process = i % 2}));
+        CU_ASSERT_TRUE_FATAL(claims_add(&c, &of[i / 2], &(struct claim){.process = i % 2}));
     }
-    CU_ASSERT_FALSE(claims_add(&c, &first[7], &(struct claim){.process = 9}));
-    claims_drop(&c, &first[7], claims_find(&c, first[7], 1));
-    CU_ASSERT_TRUE(claims_add(&c, &first[7], &(struct claim){.process = 9}));
-    claims_drop(&c, &first[7], claims_find(&c, first[7], 0));
-    CU_ASSERT_EQUAL(claims_find(&c, first[7], 0), MU_NONE);
-    CU_ASSERT_EQUAL(claims_find(&c, first[7], 9), first[7]);
+    CU_ASSERT_FALSE(claims_add(&c, &of[7], &(struct claim){.process = 9}));
+    claims_drop(&c, &of[7], claims_find(&c, &of[7], 1));
+    CU_ASSERT_TRUE(claims_add(&c, &of[7], &(struct claim){.process = 9}));
+    claims_drop(&c, &of[7], claims_find(&c, &of[7], 0));
+    CU_ASSERT_EQUAL(claims_find(&c, &of[7], 0), MU_NONE);
+    CU_ASSERT_EQUAL(claims_find(&c, &of[7], 9), mu_list_first(&of[7]));
     CU_ASSERT_EQUAL(c.pool.live, CLAIMS_MAX - 1);
 }
 
