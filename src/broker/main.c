@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* muster-broker: the broker on the network.  What it decides is in broker.c; here it is done. */
-#include "broker/control/broker.h"
+#include "broker/control/parts.h"
 #include "broker/node/node.h"
 #include "bus/bus.h"
 #include "bus/config.h"
@@ -188,7 +188,7 @@ static void pages_publish(struct node *p)
     muster_Page page;
     while (broker_page_news(p->own.broker, &page)) {
         if (bus_write(&p->pages, &page) != MU_OK) {
-            broker_page_untold(p->own.broker, &page);
+            registry_mark_page(&p->own.broker->registry, page.part);
             return;
         }
     }

@@ -102,8 +102,6 @@ struct quota_accounts {
  * broker stays small.
  */
 
-/* Text in a sample that is about to be written. */
-
 enum {
     POOL_SLAB_BYTES = 64 * 1024,
     POOL_SLABS = (QUOTA_BYTES_MAX + MU_STEP_BYTES_MAX) / POOL_SLAB_BYTES,

@@ -62,9 +62,6 @@ void broker_read_anew(struct broker *b, const char *process);
  */
 void broker_hears(struct broker *b, const char *process);
 
-/** So many processes read multicasts, those of other brokers among them. */
-void broker_is_read(struct broker *b, uint32_t readers);
-
 /** The simulator names the processes of the lock step, or ends it (lockstep false). */
 void broker_roster(struct broker *b, const muster_Roster *roster, uint64_t now_ns);
 
@@ -140,10 +137,9 @@ bool broker_part(struct broker *b, uint32_t part, muster_PartStatus *status);
  *
  * @param out  filled with pointers into the broker, valid until the next call into it
  * @return false when there is none; after a write that the network refused, call
- *         broker_page_untold and try again later
+ *         registry_mark_page and try again later
  */
 bool broker_page_news(struct broker *b, muster_Page *out);
-void broker_page_untold(struct broker *b, const muster_Page *page);
 
 /**
  * Gives what has gone wrong with mail; alerts_next in alerts.h says how often.

@@ -65,11 +65,6 @@ bool broker_page_news(struct broker *b, muster_Page *out)
     return true;
 }
 
-void broker_page_untold(struct broker *b, const muster_Page *page)
-{
-    registry_mark_page(&b->registry, page->part);
-}
-
 bool broker_event_next(struct broker *b, muster_BrokerEvent *out)
 {
     static const char *const kinds[ALERT_KINDS] = {"box-full", "dropped", "over-share", "refused"};

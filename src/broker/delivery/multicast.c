@@ -4,11 +4,6 @@
 #include "broker/control/parts.h"
 #include "core/sort.h"
 
-void broker_is_read(struct broker *b, uint32_t readers)
-{
-    b->multicast.readers = readers;
-}
-
 void multicast_note(struct broker *b, struct mail *m)
 {
     struct multicast *c = &b->multicast;

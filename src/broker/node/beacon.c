@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/node/node.h"
 
+#include "broker/control/parts.h"
 #include "core/clock.h"
 #include "core/log.h"
 
@@ -58,14 +59,12 @@ void beacon_tell(struct beacon *h, struct broker *b, const struct outlets *bags)
         !heartbeat_beats(&h->pulse, outlets_spoke_ns(bags), now_ns)) {
         return;
     }
-    muster_BrokerStatus status = {0};
-    broker_status(b, &status);
     muster_Beacon beacon = {.broker = h->beacons.name,
                             .incarnation = h->beacons.incarnation,
                             .host = h->beacons.host,
                             .pid = h->beacons.pid,
                             .index = h->bus->index > 0 ? (uint32_t)h->bus->index : 0,
-                            .agents = status.agents,
+                            .agents = b->registry.present,
                             .takes_agents = h->sure && broker_takes_names(b)};
     mu_result written = bus_write(&h->beacon, &beacon);
     (void)written; /* the next heartbeat says it again */

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/node/node.h"
 
+#include "broker/control/parts.h"
+
 #include <string.h>
 
 mu_result outlets_open(struct outlets *m, struct bus *bus, const struct bus_reader *ups, bool once)
@@ -134,7 +136,7 @@ bool outlets_look(struct outlets *m, struct broker *b, const char *mute, bool al
 {
     bool some_missing = false;
     if (all) {
-        broker_is_read(b, hearers_count(m));
+        b->multicast.readers = hearers_count(m);
     }
     for (uint32_t i = 0; i < m->count; i++) {
         struct outlet *bag = &m->at[m->order[i]];
