@@ -241,7 +241,8 @@ bool run_restarts_brokers(const struct run *r);
 /**
  * Starts again what has died, is to be started again, and has waited long enough.
  *
- * @return a child that has died and is not started again, or NULL
+ * @return a child that has died and is not started again, or NULL: for as long as the word that the
+ * run is over may still come, what has ended may have ended with it
  */
 const struct child *run_restart_look(struct run *r);
 

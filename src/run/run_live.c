@@ -34,8 +34,6 @@ static const int STOP_PATIENCE_MS = 2000;
 static const int LAST_PATIENCE_MS = 10000; /* for what the report needs */
 /* The simulator says something every second, whatever it waits for. */
 static const uint64_t SILENCE_NS = 6000000000u;
-/* How long the word that the run is over may take, when a process has ended well, or not. */
-static const uint64_t END_PATIENCE_NS = 5000000000u, CRASH_PATIENCE_NS = 100000000;
 /* A round that took longer was not ours alone: the machine slept, or all of us were stopped. */
 static const uint64_t ROUND_COUNTS_NS = 100000000;
 
@@ -364,19 +362,6 @@ static void hosts_excuse(struct run *r)
     }
 }
 
-/* A process that has ended well has done so because the run is over: the simulator says so before,
- * but on a busy machine the word may still be on its way.  @return whether it comes */
-static bool end_comes(struct run *r, const struct child *ended)
-{
-    bool well = WIFEXITED(ended->status) && WEXITSTATUS(ended->status) == 0;
-    uint64_t until_ns = mu_clock_ns() + (well ? END_PATIENCE_NS : CRASH_PATIENCE_NS);
-    while (!run_is_over(r) && !run_signal && mu_clock_ns() < until_ns &&
-           mu_process_spin(r->process, ROUND_NS) >= 0) {
-        statuses_take(r);
-    }
-    return run_is_over(r);
-}
-
 /* Looks at everything once.  @return -1: go on; else the exit code */
 static int round_live(struct run *r)
 {
@@ -393,8 +378,7 @@ static int round_live(struct run *r)
     }
     const struct child *ended = run_is_over(r) ? NULL : run_restart_look(r);
     if (ended) {
-        bool comes = run_part_of(r, ended).kind != RUN_BROKER && end_comes(r, ended);
-        return comes ? -1 : crash_explain(r, ended, r->state == muster_RUN_RUNNING);
+        return crash_explain(r, ended, r->state == muster_RUN_RUNNING);
     }
     if (simulator_silent(r) && !run_is_over(r)) {
         fprintf(stderr, "muster run: the simulator has been silent for %d s\n",

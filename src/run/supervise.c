@@ -353,6 +353,7 @@ void supervise_look(struct supervise *s)
         ready_read(child);
         if (!child->ended && child_is_over(child)) {
             child->ended = true;
+            child->ended_ns = mu_clock_ns();
             output_read(s, child);
         }
     }

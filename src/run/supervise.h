@@ -39,6 +39,7 @@ struct child {
     bool excused;        /* its end, however it came, is none that matters */
     bool struck;         /* its end is meant: chaos.c */
     bool ended;
+    uint64_t ended_ns;               /* when that was seen */
     int status;                      /* of waitpid */
     char words[SUPERVISE_WORDS_MAX]; /* the last that it said */
     uint32_t words_len;

@@ -136,9 +136,9 @@ def test_who_dies_between_two_packets_has_said_all_or_nothing():
             for name, packets in lives.items():
                 (out / name).write_text("".join(f"{n}\n" for n in packets))
             with run(*RESTART, *EACH_STEP, file=file, env=env) as r:
-                crashed = r.end()
+                crashed, said = r.end(), r.said.read_text()
             check_equal({s["process"].split(".")[-1]: s["count"] for s in crashed["restarts"]},
-                        {name: len(packets) for name, packets in lives.items()}, "restarts")
+                        {name: len(packets) for name, packets in lives.items()}, f"restarts: {said}")
             check_equal(crashed["hash"], calm["hash"], f"the hash, as {list(lives)} died")
             for robot, other in zip(crashed["robots"], calm["robots"]):
                 for count in ("rule_firings", "mail_sent"):
