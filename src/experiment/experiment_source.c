@@ -108,6 +108,11 @@ mu_result experiment_check_file(struct experiment_source *s, char **path, int no
         return experiment_fault(s, path, node, "cannot read the %s '%s': %s", what, joined,
                                 strerror(errno));
     }
+    struct stat is;
+    if (stat(absolute, &is) == 0 && S_ISDIR(is.st_mode)) {
+        return experiment_fault(s, path, node, "expected a file as the %s, not the folder '%s'",
+                                what, joined);
+    }
     *path = mu_startup_string(absolute);
     return MU_OK;
 }

@@ -75,7 +75,7 @@ def test_verify_starts_a_controller_when_it_is_asked_to():
 def test_what_cannot_be_a_controller_is_said_with_its_line():
     with folder() as out:
         for path, said in ((out / "nowhere", "cannot read the program"),
-                           (ROOT / "README.md", "may be started"), (out, "may be started")):
+                           (ROOT / "README.md", "may be started"), (out, "not the folder")):
             done, _ = run(out, path=path)
             check_equal(done.returncode, 3, done.stderr)
             check("own.yaml:" in done.stderr and said in done.stderr, done.stderr)

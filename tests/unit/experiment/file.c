@@ -586,6 +586,7 @@ static void test_monitor_faults(void)
         {MONITOR("name: watch"), 7, 5, "expected either rules: FILE, or program: FILE"},
         {MONITOR("rules: a.clp, program: /bin/sh"), 7, 5, "expected either rules: FILE"},
         {MONITOR("rules: none.clp"), 7, 13, "cannot read the rules"},
+        {MONITOR("rules: ."), 7, 13, "expected a file as the rules, not the folder"},
         {MONITOR("program: none"), 7, 15, "cannot read the program"},
         {MONITOR("program: a.clp"), 7, 15, "expected a program that may be started"},
         {MONITOR("name: a b, rules: a.clp"), 7, 12, "'a b' cannot be a monitor's name"},
