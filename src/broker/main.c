@@ -57,7 +57,7 @@ static mu_result post_open(struct node *p, const char *name, bool on_loopback)
     MU_TRY(bus_reader_open(&p->bus, BUS_ROSTER, NULL, &p->rosters));
     MU_TRY(bus_writer_open(&p->bus, BUS_PAGES, NULL, NULL, &p->pages));
     MU_TRY(bus_writer_open(&p->bus, BUS_BROKER_EVENT, NULL, NULL, &p->events));
-    MU_TRY(outlets_open(&p->bags, &p->bus, &p->ups, on_loopback));
+    MU_TRY(outlets_open(&p->bags, &p->bus, p->own.broker, &p->ups, on_loopback));
     MU_TRY(links_open(&p->peers, &p->bus, partition));
     return telemetry_open(&p->health, &p->bus);
 }
@@ -250,8 +250,8 @@ static void post_round(struct node *p)
     p->unmatched = post_take(p) || p->unmatched;
     bool look = mu_clock_ns() - p->looked_ns >= LOOK_NS;
     if (look || p->unmatched) {
-        outlets_follow(&p->bags, p->own.broker);
-        p->unmatched = outlets_look(&p->bags, p->own.broker, p->simulator, look, post_now(p));
+        outlets_follow(&p->bags);
+        p->unmatched = outlets_look(&p->bags, p->simulator, look, post_now(p));
     }
     bool impatient = p->unmatched;
     broker_tick(p->own.broker, post_now(p));

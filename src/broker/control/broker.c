@@ -273,19 +273,6 @@ void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
     }
 }
 
-const char *broker_process(const struct broker *b, const char *after)
-{
-    const struct processes *p = &b->processes;
-    uint32_t place = after ? mu_list_next(MU_LINKS(p->at, unmatched), processes_find(p, after))
-                           : mu_list_first(&p->unmatched);
-    return place != MU_NONE ? p->at[place].name : NULL;
-}
-
-bool broker_serves(const struct broker *b, const char *process)
-{
-    return processes_find(&b->processes, process) != MU_NONE;
-}
-
 bool broker_takes_names(const struct broker *b)
 {
     return b->registry.ordinary.live < b->registry.ordinary.size;

@@ -83,13 +83,6 @@ bool broker_next(struct broker *b, const char **process, muster_Delivery *d);
 void broker_delivered(struct broker *b, uint64_t now_ns);
 void broker_undelivered(struct broker *b);
 
-/** @return of the processes whose writers have not matched the one behind another, or (after NULL)
- * the first; or NULL */
-const char *broker_process(const struct broker *b, const char *after);
-
-/** @return whether the broker still has business with a process */
-bool broker_serves(const struct broker *b, const char *process);
-
 /* --- other brokers, each as it were a process "broker.NAME" ------------------------------------
  */
 

@@ -45,22 +45,13 @@ static bool place_is_needed(const struct process *at)
            at->speaks || (at->kind == PROCESS_BROKER && !processes_is_silent(at));
 }
 
-static bool is_unmatched(const struct process *at)
-{
-    return at->session != SESSION_FREE && !processes_is_matched(at);
-}
-
 void processes_session_on(struct processes *p, uint32_t place, enum session_event event)
 {
     struct process *at = &p->at[place];
-    bool waited = is_unmatched(at), heard = processes_hears(at);
+    bool heard = processes_hears(at);
     unsigned next = next_session[at->session][event];
     MU_ASSERT(next != X);
     at->session = (enum session)next;
-    if (is_unmatched(at) != waited) {
-        (void)(waited ? mu_list_remove : mu_list_append)(&p->unmatched, MU_LINKS(p->at, unmatched),
-                                                         place);
-    }
     p->hearers += (uint32_t)processes_hears(at) - (uint32_t)heard;
 }
 

@@ -98,7 +98,6 @@ struct process {
     uint64_t flooded_until_ns;
     uint64_t flood_wake_ns;         /* when it is woken, if it is held for that */
     struct mu_link queued, flooded; /* in the queue of those to look at, and of those held */
-    struct mu_link unmatched;
     uint32_t seat;        /* its number; no other place ever had it */
     uint64_t serial;      /* of the last Delivery to it */
     uint64_t version_had; /* of the white pages */
@@ -117,7 +116,6 @@ struct processes {
     struct process at[MU_PROCESSES_MAX];
     uint32_t top;             /* entries ever used */
     uint32_t seats;           /* given out */
-    struct mu_list unmatched; /* those in use that have not matched */
     uint32_t hearers;         /* those that read multicasts */
     uint32_t held, refused;   /* those whose turn is so */
     bool all_awake;           /* since something happened to all, none has been looked at */

@@ -52,7 +52,7 @@ void beacon_hear(struct beacon *h)
     }
 }
 
-void beacon_tell(struct beacon *h, struct broker *b, const struct outlets *bags)
+void beacon_tell(struct beacon *h, struct broker *b, struct outlets *bags)
 {
     uint64_t now_ns = mu_clock_ns();
     if (!heartbeat_looks(&h->pulse, now_ns) ||

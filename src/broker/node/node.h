@@ -16,11 +16,9 @@
 /* The writers of Deliveries: one into the partition of each process that the broker serves. */
 
 struct outlet {
-    char process[MU_PROCESS_MAX + 1];
+    char process[MU_PROCESS_MAX + 1]; /* "": it is closed */
     struct bus_writer writer;
-    bool matched;
-    bool hears;       /* multicasts */
-    uint32_t hearers; /* how many of them there were when it was last asked whether it does */
+    uint32_t hearers; /* how many hear multicasts, when it was last asked whether it does */
     uint32_t readers; /* it has ever had */
     uint32_t readers_now;
     uint64_t heard_ns; /* when its last Up came, by the machine's clock; 0: none has */
@@ -28,24 +26,20 @@ struct outlet {
 
 struct outlets {
     struct bus *bus;
+    struct broker *broker;
     struct bus_writer circulars;
     bool once; /* they are used */
     const struct bus_reader *ups;
-    struct outlet at[MU_PROCESSES_MAX];
-    uint32_t order[MU_PROCESSES_MAX]; /* of at: [0, count) in use, then those that are free */
-    uint32_t count;
-    struct mu_table names;
+    struct outlet at[MU_PROCESSES_MAX]; /* by the places of the broker's processes */
 };
 
 /**
- * Takes the memory for the index, at start-up.
- *
  * @param ups   the broker's reader of Ups; stays the caller's
  * @param once  what is for many goes out in multicasts.  They have a line for each receiver, which
  *              on loopback costs nothing, and on a network several packets where one was enough
  */
-MU_MUST_USE mu_result outlets_open(struct outlets *m, struct bus *bus, const struct bus_reader *ups,
-                                   bool once);
+MU_MUST_USE mu_result outlets_open(struct outlets *m, struct bus *bus, struct broker *b,
+                                   const struct bus_reader *ups, bool once);
 
 /** @return the writer to a process, or to all (BUS_TO_ALL); NULL: there is none */
 const struct bus_writer *outlets_writer(struct outlets *m, const char *process);
@@ -55,10 +49,10 @@ struct outlet *outlets_find(struct outlets *m, const char *process);
 
 /** @return when that process spoke that has been silent for the longest, 0: one never has, or there
  *          is none */
-uint64_t outlets_spoke_ns(const struct outlets *m);
+uint64_t outlets_spoke_ns(struct outlets *m);
 
 /** Closes the bags of processes that are gone for good, and opens one for every new process. */
-void outlets_follow(struct outlets *m, const struct broker *b);
+void outlets_follow(struct outlets *m);
 
 /**
  * Tells the broker which processes have matched, or have not any more.
@@ -67,7 +61,7 @@ void outlets_follow(struct outlets *m, const struct broker *b);
  * @param all   false: only those that had not matched are looked at
  * @return whether any has not
  */
-bool outlets_look(struct outlets *m, struct broker *b, const char *mute, bool all, uint64_t now_ns);
+bool outlets_look(struct outlets *m, const char *mute, bool all, uint64_t now_ns);
 
 /* --- beacon_table.c -------------------------------------------------------------------------- */
 
@@ -143,7 +137,7 @@ void beacon_hear(struct beacon *h);
  *
  * @param bags the readers that are to hear of it
  */
-void beacon_tell(struct beacon *h, struct broker *b, const struct outlets *bags);
+void beacon_tell(struct beacon *h, struct broker *b, struct outlets *bags);
 
 /** Takes the Beacon back; a broker that yields leaves it to the other one. */
 void beacon_close(struct beacon *h);

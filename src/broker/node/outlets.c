@@ -5,14 +5,25 @@
 
 #include <string.h>
 
-mu_result outlets_open(struct outlets *m, struct bus *bus, const struct bus_reader *ups, bool once)
+mu_result outlets_open(struct outlets *m, struct bus *bus, struct broker *b,
+                       const struct bus_reader *ups, bool once)
 {
-    *m = (struct outlets){.bus = bus, .ups = ups, .once = once};
-    mu_table_init(&m->names, MU_PROCESSES_MAX);
-    for (uint32_t i = 0; i < MU_PROCESSES_MAX; i++) {
-        m->order[i] = i;
-    }
+    *m = (struct outlets){.bus = bus, .broker = b, .ups = ups, .once = once};
     return bus_writer_open(bus, BUS_DELIVERY, BUS_TO_ALL, NULL, &m->circulars);
+}
+
+/* @return the writer to the process that has this place, or NULL */
+static struct outlet *outlet_of(struct outlets *m, uint32_t place)
+{
+    const struct process *at = &m->broker->processes.at[place];
+    struct outlet *bag = &m->at[place];
+    return at->session != SESSION_FREE && strcmp(bag->process, at->name) == 0 ? bag : NULL;
+}
+
+struct outlet *outlets_find(struct outlets *m, const char *process)
+{
+    uint32_t place = processes_find(&m->broker->processes, process);
+    return place != MU_NONE ? outlet_of(m, place) : NULL;
 }
 
 const struct bus_writer *outlets_writer(struct outlets *m, const char *process)
@@ -21,62 +32,37 @@ const struct bus_writer *outlets_writer(struct outlets *m, const char *process)
     return bag ? &bag->writer : strcmp(process, BUS_TO_ALL) == 0 ? &m->circulars : NULL;
 }
 
-struct outlet *outlets_find(struct outlets *m, const char *process)
-{
-    uint32_t index = mu_table_find(&m->names, process);
-    return index != MU_NONE ? &m->at[index] : NULL;
-}
-
-uint64_t outlets_spoke_ns(const struct outlets *m)
+uint64_t outlets_spoke_ns(struct outlets *m)
 {
     uint64_t spoke_ns = UINT64_MAX;
-    for (uint32_t i = 0; i < m->count; i++) {
-        uint64_t heard_ns = m->at[m->order[i]].heard_ns;
-        spoke_ns = heard_ns < spoke_ns ? heard_ns : spoke_ns;
+    for (uint32_t i = 0; i < m->broker->processes.top; i++) {
+        const struct outlet *bag = outlet_of(m, i);
+        spoke_ns = bag && bag->heard_ns < spoke_ns ? bag->heard_ns : spoke_ns;
     }
-    return m->count > 0 ? spoke_ns : 0;
+    return spoke_ns != UINT64_MAX ? spoke_ns : 0;
 }
 
 /* --- opening and closing ---------------------------------------------------------------------- */
 
-static void outlet_open(struct outlets *m, const char *process)
+static void outlet_open(struct outlets *m, struct outlet *bag, const char *process)
 {
-    MU_ASSERT(m->count < MU_PROCESSES_MAX); /* the broker serves no more, and each bag is for one */
-    uint32_t index = m->order[m->count];
-    struct outlet *bag = &m->at[index];
     *bag = (struct outlet){0};
-    mu_text_copy(bag->process, sizeof bag->process, process);
     if (bus_writer_open(m->bus, BUS_DELIVERY, process, NULL, &bag->writer) == MU_OK) {
-        mu_result entered = mu_table_put(&m->names, bag->process, index);
-        MU_ASSERT(entered == MU_OK);
-        m->count++;
+        mu_text_copy(bag->process, sizeof bag->process, process);
     }
 }
 
-static void outlet_close(struct outlets *m, struct outlet *bag)
+void outlets_follow(struct outlets *m)
 {
-    mu_result gone = mu_table_remove(&m->names, bag->process);
-    MU_ASSERT(gone == MU_OK);
-    bus_writer_close(&bag->writer);
-}
-
-void outlets_follow(struct outlets *m, const struct broker *b)
-{
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < m->count; i++) {
-        uint32_t index = m->order[i];
-        struct outlet *bag = &m->at[index];
-        if (bag->matched || broker_serves(b, bag->process)) {
-            m->order[i] = m->order[kept];
-            m->order[kept++] = index;
-        } else {
-            outlet_close(m, bag);
+    for (uint32_t i = 0; i < m->broker->processes.top; i++) {
+        const struct process *at = &m->broker->processes.at[i];
+        struct outlet *bag = &m->at[i];
+        if (bag->process[0] != '\0' && !outlet_of(m, i)) {
+            bus_writer_close(&bag->writer);
+            bag->process[0] = '\0';
         }
-    }
-    m->count = kept;
-    for (const char *process = NULL; (process = broker_process(b, process));) {
-        if (!outlets_find(m, process)) {
-            outlet_open(m, process);
+        if (bag->process[0] == '\0' && at->session != SESSION_FREE) {
+            outlet_open(m, bag, at->name);
         }
     }
 }
@@ -84,12 +70,13 @@ void outlets_follow(struct outlets *m, const struct broker *b)
 /* --- matching --------------------------------------------------------------------------------- */
 
 /* Both directions must stand before a registration is confirmed. */
-static bool outlet_stands(const struct outlets *m, const struct outlet *bag, const char *mute)
+static bool outlet_stands(const struct outlets *m, const struct outlet *bag, bool stood,
+                          const char *mute)
 {
     if (bus_writer_matches(&bag->writer) == 0) {
         return false; /* the usual case while many processes come, and cheap to see */
     }
-    bool one_way = bag->matched || strcmp(bag->process, mute) == 0;
+    bool one_way = stood || strcmp(bag->process, mute) == 0;
     return one_way ? bus_writer_reaches(&bag->writer, bag->process)
                    : bus_reader_hears(m->ups, &bag->writer, bag->process);
 }
@@ -101,16 +88,16 @@ static uint32_t hearers_count(const struct outlets *m)
 
 /* A process that does not hear multicasts, such as a simulator, is asked again when one more does.
  */
-static void outlet_listen(struct outlets *m, struct outlet *bag, struct broker *b)
+static void outlet_listen(struct outlets *m, struct outlet *bag, const struct process *at)
 {
-    uint32_t hearers = bag->matched && !bag->hears ? hearers_count(m) : bag->hearers;
+    bool asks = processes_is_matched(at) && !processes_hears(at);
+    uint32_t hearers = asks ? hearers_count(m) : bag->hearers;
     if (hearers == bag->hearers) {
         return;
     }
     bag->hearers = hearers;
-    bag->hears = bus_writer_shares(&bag->writer, bag->process, &m->circulars);
-    if (bag->hears) {
-        broker_hears(b, bag->process);
+    if (bus_writer_shares(&bag->writer, bag->process, &m->circulars)) {
+        broker_hears(m->broker, bag->process);
     }
 }
 
@@ -126,35 +113,36 @@ static void outlet_count_readers(struct outlet *bag, uint32_t readers, struct br
 
 /* To ask DDS for the readers costs much more than to ask how many.  @return whether none has
  * come or gone since they were looked at, and nothing is missing */
-static bool outlet_rests(const struct outlet *bag)
+static bool outlet_rests(const struct outlet *bag, const struct process *at)
 {
-    return bag->matched && bag->hears && bag->readers_now == bus_writer_matches(&bag->writer) &&
+    return processes_hears(at) && bag->readers_now == bus_writer_matches(&bag->writer) &&
            bag->readers == bus_writer_matched_ever(&bag->writer);
 }
 
-bool outlets_look(struct outlets *m, struct broker *b, const char *mute, bool all, uint64_t now_ns)
+bool outlets_look(struct outlets *m, const char *mute, bool all, uint64_t now_ns)
 {
+    struct broker *b = m->broker;
     bool some_missing = false;
     if (all) {
         b->multicast.readers = hearers_count(m);
     }
-    for (uint32_t i = 0; i < m->count; i++) {
-        struct outlet *bag = &m->at[m->order[i]];
-        if ((bag->matched && !all) || outlet_rests(bag)) {
+    for (uint32_t i = 0; i < b->processes.top; i++) {
+        const struct process *at = &b->processes.at[i];
+        struct outlet *bag = outlet_of(m, i);
+        bool stood = processes_is_matched(at);
+        if (!bag || (stood && !all) || outlet_rests(bag, at)) {
             continue;
         }
         uint32_t readers = bus_writer_matched_ever(&bag->writer);
         bag->readers_now = bus_writer_matches(&bag->writer);
-        bool matched = outlet_stands(m, bag, mute);
-        if (matched != bag->matched) {
-            bag->matched = matched;
-            bag->hears = false;
+        bool stands = outlet_stands(m, bag, stood, mute);
+        if (stands != stood) {
             bag->hearers = 0;
-            broker_matched(b, bag->process, matched, now_ns);
+            broker_matched(b, bag->process, stands, now_ns);
         }
-        outlet_listen(m, bag, b);
+        outlet_listen(m, bag, at);
         outlet_count_readers(bag, readers, b);
-        some_missing = some_missing || !matched;
+        some_missing = some_missing || !stands;
     }
     return some_missing;
 }

@@ -153,6 +153,30 @@ static inline void story_register_newcomer(const char *name, const char *process
     broker_registration(story.b, &r, story.now_ns);
 }
 
+/** @return whether the broker serves a process */
+static inline bool story_serves(const char *process)
+{
+    return processes_find(&story.b->processes, process) != MU_NONE;
+}
+
+/** @return whether it serves one whose reader is not there */
+static inline bool story_awaits(const char *process)
+{
+    uint32_t place = processes_find(&story.b->processes, process);
+    return place != MU_NONE && !processes_is_matched(&story.b->processes.at[place]);
+}
+
+/** @return how many such processes there are */
+static inline uint32_t story_awaited(void)
+{
+    uint32_t awaited = 0;
+    for (uint32_t i = 0; i < story.b->processes.top; i++) {
+        const struct process *at = &story.b->processes.at[i];
+        awaited += at->session != SESSION_FREE && !processes_is_matched(at);
+    }
+    return awaited;
+}
+
 static inline void story_match(const char *process)
 {
     broker_matched(story.b, process, true, story.now_ns);

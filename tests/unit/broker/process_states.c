@@ -10,22 +10,12 @@
 
 static struct processes processes; /* static: leak checkers see its memory */
 
-static bool is_unmatched(const struct process *at)
-{
-    return at->session == SESSION_AWAY || at->session == SESSION_AWAY_SILENT;
-}
-
 static int apply_session(int state, int event)
 {
     struct process *at = &processes.at[0];
     *at = (struct process){.session = (enum session)state};
-    processes.unmatched = (struct mu_list){0};
-    if (is_unmatched(at)) {
-        (void)mu_list_append(&processes.unmatched, MU_LINKS(processes.at, unmatched), 0);
-    }
     processes.hearers = processes_hears(at);
     processes_session_on(&processes, 0, (enum session_event)event);
-    CU_ASSERT_EQUAL(processes.unmatched.count, is_unmatched(at));
     CU_ASSERT_EQUAL(processes.hearers, processes_hears(at));
     return (int)at->session;
 }

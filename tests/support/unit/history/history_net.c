@@ -50,13 +50,13 @@ void net_match(void)
 {
     for (int i = 0; i < PROCESSES; i++) {
         struct history_process *p = &history.processes[i];
-        for (const char *wanted = NULL; (wanted = broker_process(history.life.b, wanted));) {
-            if (strcmp(wanted, p->name) == 0 && p->alive && p->reaches && !history_chance(3)) {
-                history_note("%s has matched", p->name);
-                p->hears = false;
-                broker_matched(history.life.b, p->name, true, life_now_ns());
-                break;
-            }
+        const struct processes *served = &history.life.b->processes;
+        uint32_t place = processes_find(served, p->name);
+        if (place != MU_NONE && !processes_is_matched(&served->at[place]) && p->alive &&
+            p->reaches && !history_chance(3)) {
+            history_note("%s has matched", p->name);
+            p->hears = false;
+            broker_matched(history.life.b, p->name, true, life_now_ns());
         }
     }
 }
