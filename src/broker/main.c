@@ -48,18 +48,18 @@ static uint64_t post_now(const struct node *p)
     return mu_clock_ns() - p->began_ns;
 }
 
-static mu_result post_open(struct node *p, const char *name, bool on_loopback)
+static mu_result post_open(struct node *p, bool on_loopback)
 {
-    char partition[sizeof "broker." + MU_NAME_MAX];
-    snprintf(partition, sizeof partition, "broker.%s", name);
+    struct broker *b = p->own.broker;
     MU_TRY(bus_reader_open(&p->bus, BUS_REGISTRATION, NULL, &p->registrations));
-    MU_TRY(bus_reader_open(&p->bus, BUS_UP, partition, &p->ups));
+    MU_TRY(bus_reader_open(&p->bus, BUS_UP, b->place, &p->ups));
     MU_TRY(bus_reader_open(&p->bus, BUS_ROSTER, NULL, &p->rosters));
     MU_TRY(bus_writer_open(&p->bus, BUS_PAGES, NULL, NULL, &p->pages));
     MU_TRY(bus_writer_open(&p->bus, BUS_BROKER_EVENT, NULL, NULL, &p->events));
-    MU_TRY(outlets_open(&p->bags, &p->bus, p->own.broker, &p->ups, on_loopback));
-    MU_TRY(links_open(&p->peers, &p->bus, partition));
-    return telemetry_open(&p->health, &p->bus);
+    MU_TRY(outlets_open(&p->bags, &p->bus, b, &p->ups, on_loopback));
+    MU_TRY(links_open(&p->peers, &p->bus, b->place));
+    MU_TRY(telemetry_open(&p->health, &p->bus));
+    return beacon_open(&p->herald, &p->bus, b);
 }
 
 /* --- in --------------------------------------------------------------------------------------- */
@@ -84,7 +84,7 @@ static bool roster_is_ours(const struct node *p, const muster_Roster *roster, en
     if (life != BUS_DATA) {
         return strcmp(roster->simulator, p->simulator) == 0;
     }
-    return roster->broker[0] == '\0' || strcmp(roster->broker, p->herald.beacons.name) == 0;
+    return roster->broker[0] == '\0' || strcmp(roster->broker, p->own.broker->name) == 0;
 }
 
 static void rosters_take(struct node *p)
@@ -286,8 +286,7 @@ static void doubt_settle(struct node *p, bool is_lone)
 }
 
 /* Joins the network.  @return MU_EXIT_DONE, or the exit code, explained */
-static int network_join(struct node *p, const struct mu_network *network,
-                        const struct broker_options *broker)
+static int network_join(struct node *p, const struct mu_network *network)
 {
     mu_result opened = bus_join(&p->bus, network, BUS_BROKER, "broker");
     if (opened == MU_BUSY) {
@@ -295,8 +294,7 @@ static int network_join(struct node *p, const struct mu_network *network,
                 (int)network->domain);
     }
     bool on_loopback = config_is_loopback(network->interface);
-    opened = opened == MU_OK ? post_open(p, broker->name, on_loopback) : opened;
-    opened = opened == MU_OK ? beacon_open(&p->herald, &p->bus, broker) : opened;
+    opened = opened == MU_OK ? post_open(p, on_loopback) : opened;
     return mu_exit_for(opened);
 }
 
@@ -314,9 +312,8 @@ int main(int argc, char **argv)
 {
     heap_bound();
     static struct settings settings;
-    const char *name;
-    int code = settings_read(&settings, &name, argc, argv);
-    if (!name) {
+    int code = settings_read(&settings, argc, argv);
+    if (!settings.name) {
         return code;
     }
     mu_log_open("broker", settings.verbose ? MU_LOG_INFO : MU_LOG_WARNING);
@@ -325,16 +322,16 @@ int main(int argc, char **argv)
     struct node *p = mu_startup_alloc(sizeof *p);
     p->began_ns = mu_clock_ns();
     const struct mu_network *network = &settings.network;
-    code = startup_run(&p->own, &settings, name);
-    code = code == MU_EXIT_DONE ? network_join(p, network, &p->own.options) : code;
+    code = startup_run(&p->own, &settings);
+    code = code == MU_EXIT_DONE ? network_join(p, network) : code;
     if (code != MU_EXIT_DONE) {
         return code;
     }
     mu_signals_note();
     mu_memory_seal();
     doubt_settle(p, network->peers.count == 0 && bus_is_lone_broker(&p->bus, (int)network->domain));
-    mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d index=%d", name, (int)network->domain,
-           p->bus.index);
+    mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d index=%d", settings.name,
+           (int)network->domain, p->bus.index);
     while (!mu_signal_came && !p->herald.yields) {
         post_round(p);
     }

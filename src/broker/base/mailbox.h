@@ -143,7 +143,7 @@ void mailbox_end(struct mailbox *m, uint32_t agent);
 static inline uint32_t mailbox_limit(uint32_t wanted, uint32_t otherwise, uint32_t most)
 {
     uint32_t limit = wanted ? wanted : otherwise;
-    return limit < most ? limit : most;
+    return limit > 0 && limit < most ? limit : most;
 }
 
 /** @return the limits of a box, its own or the broker's */

@@ -42,10 +42,7 @@ struct broker *broker_open(const struct broker_options *options)
     pool_init(&b->pool);
     b->expiry.kind = TIMERS_EXPIRY;
     mailbox_init(&b->mailbox);
-    b->mailbox.limits = (struct box_limits){
-        .policy = options->box_policy,
-        .mails = mailbox_limit(options->box_mails, MU_BOX_MAX, MU_BOX_MAX),
-        .bytes = mailbox_limit(options->box_bytes, MU_BOX_BYTES_MAX, MU_BOX_BYTES_MAX)};
+    b->mailbox.limits = options->boxes;
     mu_pool_init(&b->receipts.pool, MU_MAILS_MAX);
     b->steps.simulator = MU_NONE;
     b->dispatch.open = MU_NONE;

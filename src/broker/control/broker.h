@@ -20,16 +20,13 @@ struct journal_entry;
 struct broker_options {
     const char *name;     /* of this broker, for the white pages */
     uint64_t incarnation; /* a number that no earlier broker of this network had */
-    const char *host;     /* for its own line of the white pages */
     uint32_t pid;
     uint64_t wall_ns;              /* nanoseconds since 1970 at now_ns == 0, for since_wall_ns */
     uint64_t delivery_interval_ns; /* between two rounds of the dispatcher; 0: at once */
     bool audit;                    /* directives are recorded for audit_next */
     uint32_t names;                /* so many at a time; MU_AGENTS_MAX when 0 */
     uint64_t name_expiry_ns;       /* a name that is absent for so long may end; 10 min when 0 */
-    muster_BoxPolicy box_policy;   /* of boxes whose agents ask for nothing else */
-    uint32_t box_mails;            /* MU_BOX_MAX when 0 */
-    uint32_t box_bytes;            /* MU_BOX_BYTES_MAX when 0 */
+    struct box_limits boxes;       /* of those whose agents ask for nothing else; 0: the most */
     bool has_store;                /* the journal (journal.h) is written to a disk */
     uint64_t number_base; /* boxes count from here: above all that an earlier life gave out */
 };

@@ -6,13 +6,17 @@
 #include "core/log.h"
 
 #include <stdio.h>
+#include <unistd.h>
 
-mu_result beacon_open(struct beacon *h, struct bus *bus, const struct broker_options *broker)
+mu_result beacon_open(struct beacon *h, struct bus *bus, struct broker *b)
 {
-    *h = (struct beacon){.bus = bus};
-    h->beacons = (struct beacon_table){.incarnation = broker->incarnation, .pid = broker->pid};
-    mu_text_copy(h->beacons.name, sizeof h->beacons.name, broker->name);
-    mu_text_copy(h->beacons.host, sizeof h->beacons.host, broker->host);
+    static char host[MU_FIELD_MAX + 1];
+    gethostname(host, sizeof host - 1);
+    *h = (struct beacon){.beacons.own = {.broker = b->name,
+                                         .incarnation = b->incarnation,
+                                         .host = host,
+                                         .pid = b->registry.agents[REGISTRY_BROKER].is.pid,
+                                         .index = bus->index > 0 ? (uint32_t)bus->index : 0}};
     MU_TRY(bus_writer_open(bus, BUS_BEACON, NULL, NULL, &h->beacon));
     return bus_reader_open(bus, BUS_BEACON, NULL, &h->heard);
 }
@@ -59,21 +63,16 @@ void beacon_tell(struct beacon *h, struct broker *b, struct outlets *bags)
         !heartbeat_beats(&h->pulse, outlets_spoke_ns(bags), now_ns)) {
         return;
     }
-    muster_Beacon beacon = {.broker = h->beacons.name,
-                            .incarnation = h->beacons.incarnation,
-                            .host = h->beacons.host,
-                            .pid = h->beacons.pid,
-                            .index = h->bus->index > 0 ? (uint32_t)h->bus->index : 0,
-                            .agents = b->registry.present,
-                            .takes_agents = h->sure && broker_takes_names(b)};
-    mu_result written = bus_write(&h->beacon, &beacon);
+    muster_Beacon *own = &h->beacons.own;
+    own->agents = b->registry.present;
+    own->takes_agents = h->sure && broker_takes_names(b);
+    mu_result written = bus_write(&h->beacon, own);
     (void)written; /* the next heartbeat says it again */
 }
 
 void beacon_close(struct beacon *h)
 {
     if (!h->yields) { /* disposed, both would be gone */
-        muster_Beacon beacon = {.broker = h->beacons.name, .host = h->beacons.host};
-        bus_dispose(&h->beacon, &beacon);
+        bus_dispose(&h->beacon, &h->beacons.own);
     }
 }

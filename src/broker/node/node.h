@@ -68,10 +68,7 @@ bool outlets_look(struct outlets *m, const char *mute, bool all, uint64_t now_ns
 /* The brokers of the network as this one sees them, and whether its own name is its own.  Pure. */
 
 struct beacon_table {
-    char name[MU_NAME_MAX + 1]; /* of this broker */
-    char host[MU_FIELD_MAX + 1];
-    uint64_t incarnation;
-    uint32_t pid;
+    muster_Beacon own; /* what this one says of itself */
     struct beacons others;
 };
 
@@ -117,7 +114,6 @@ bool heartbeat_beats(struct heartbeat *p, uint64_t spoke_ns, uint64_t now_ns);
 /* The Beacon on the network: says that this broker is there, and hears of the others. */
 
 struct beacon {
-    struct bus *bus;
     struct beacon_table beacons;
     struct bus_reader heard;
     struct bus_writer beacon;
@@ -126,8 +122,7 @@ struct beacon {
     bool yields; /* another one has it: this one is to end */
 };
 
-MU_MUST_USE mu_result beacon_open(struct beacon *h, struct bus *bus,
-                                  const struct broker_options *broker);
+MU_MUST_USE mu_result beacon_open(struct beacon *h, struct bus *bus, struct broker *b);
 
 /** Hears the other brokers; sets yields, and says so, when one of them has our name. */
 void beacon_hear(struct beacon *h);
@@ -208,6 +203,7 @@ void telemetry_close(struct telemetry *h, struct broker *b);
 enum { NAME_EXPIRY_MAX_S = 366 * 24 * 3600 };
 
 struct settings {
+    const char *name; /* of the broker; NULL: there is nothing to do */
     struct mu_network network;
     bool verbose, counters;
     double delivery_interval_ms;
@@ -215,13 +211,13 @@ struct settings {
     const char *store;          /* a file; "none"; NULL: the usual one */
     int64_t names;
     int64_t name_expiry_s;
-    int64_t box_mails, box_bytes;
+    int64_t box_mails, box_bytes; /* 0: the most */
     const char *box_policy_word;
     muster_BoxPolicy box_policy;
 };
 
-/** @return MU_EXIT_DONE: go on; else the exit code.  name: out; NULL: there is nothing to do */
-int settings_read(struct settings *s, const char **name, int argc, char **argv);
+/** @param s  out: zeroed memory.  @return MU_EXIT_DONE: go on; else the exit code */
+int settings_read(struct settings *s, int argc, char **argv);
 
 /* --- files.c --------------------------------------------------------------------------------- */
 
@@ -300,10 +296,9 @@ struct startup {
     struct broker *broker;
     struct disk *disk; /* NULL: without a store */
     struct files_audit audit;
-    struct broker_options options; /* its strings live as long as the command line does */
 };
 
 /** @return MU_EXIT_DONE, or the exit code, explained */
-int startup_run(struct startup *o, const struct settings *s, const char *name);
+int startup_run(struct startup *o, const struct settings *s);
 
 #endif

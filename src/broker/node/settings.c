@@ -62,7 +62,7 @@ static bool store_check(const char *store)
     return true;
 }
 
-int settings_read(struct settings *s, const char **name, int argc, char **argv)
+int settings_read(struct settings *s, int argc, char **argv)
 {
     struct mu_option table[] = {
         MU_NETWORK_OPTIONS(s->network),
@@ -103,9 +103,6 @@ int settings_read(struct settings *s, const char **name, int argc, char **argv)
                                   .usage = "NAME [OPTION...]",
                                   .about = "Knows every agent by name and carries their mail.",
                                   MU_OPTION_TABLE(table)};
-    *name = NULL;
-    s->box_mails = MU_BOX_MAX;
-    s->box_bytes = MU_BOX_BYTES_MAX;
     mu_result parsed = mu_options_parse(&options, argc, argv);
     if (parsed != MU_OK) {
         return mu_exit_for(parsed);
@@ -118,6 +115,6 @@ int settings_read(struct settings *s, const char **name, int argc, char **argv)
         !name_check(&options)) {
         return MU_EXIT_USAGE;
     }
-    *name = options.words[0];
+    s->name = options.words[0];
     return MU_EXIT_DONE;
 }

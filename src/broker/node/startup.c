@@ -10,15 +10,14 @@
 #include <string.h>
 #include <unistd.h>
 
-/* @param file  as the option has it; NULL: the default */
-static mu_result store_open(struct startup *o, const char *file, int domain, const char *name)
+static mu_result store_open(struct startup *o, const struct settings *s)
 {
     char path[PATH_MAX];
-    if (file && strcmp(file, "none") == 0) {
+    if (s->store && strcmp(s->store, "none") == 0) {
         return MU_OK;
     }
-    if (file ? !mu_text_copy(path, sizeof path, file)
-             : !disk_default_path(path, sizeof path, domain, name)) {
+    if (s->store ? !mu_text_copy(path, sizeof path, s->store)
+                 : !disk_default_path(path, sizeof path, (int)s->network.domain, s->name)) {
         fprintf(stderr, "muster broker: no place for the store: give --store FILE or none\n");
         return MU_FAULT_OS;
     }
@@ -35,31 +34,27 @@ static mu_result store_load(struct startup *o)
     return loaded;
 }
 
-int startup_run(struct startup *o, const struct settings *s, const char *name)
+int startup_run(struct startup *o, const struct settings *s)
 {
-    static char host[MU_FIELD_MAX + 1];
-    gethostname(host, sizeof host - 1);
-    mu_result opened = store_open(o, s->store, (int)s->network.domain, name);
+    mu_result opened = store_open(o, s);
     if (opened != MU_OK) {
         return mu_exit_for(opened);
     }
     uint64_t incarnation = o->disk ? o->disk->incarnation : mu_clock_wall_ns();
-    o->options =
-        (struct broker_options){.name = name,
-                                .incarnation = incarnation,
-                                .has_store = o->disk != NULL,
-                                .number_base = o->disk ? o->disk->number_base : 0,
-                                .host = host,
-                                .pid = (uint32_t)getpid(),
-                                .wall_ns = mu_clock_wall_ns(),
-                                .delivery_interval_ns = (uint64_t)(s->delivery_interval_ms * 1e6),
-                                .names = (uint32_t)s->names,
-                                .name_expiry_ns = (uint64_t)s->name_expiry_s * 1000000000,
-                                .audit = s->audit != NULL,
-                                .box_policy = s->box_policy,
-                                .box_mails = (uint32_t)s->box_mails,
-                                .box_bytes = (uint32_t)s->box_bytes};
-    o->broker = broker_open(&o->options);
+    uint64_t interval_ns = (uint64_t)(s->delivery_interval_ms * 1e6);
+    struct box_limits boxes = {s->box_policy, (uint32_t)s->box_mails, (uint32_t)s->box_bytes};
+    struct broker_options options = {.name = s->name,
+                                     .incarnation = incarnation,
+                                     .has_store = o->disk != NULL,
+                                     .number_base = o->disk ? o->disk->number_base : 0,
+                                     .pid = (uint32_t)getpid(),
+                                     .wall_ns = mu_clock_wall_ns(),
+                                     .delivery_interval_ns = interval_ns,
+                                     .names = (uint32_t)s->names,
+                                     .name_expiry_ns = (uint64_t)s->name_expiry_s * 1000000000,
+                                     .audit = s->audit != NULL,
+                                     .boxes = boxes};
+    o->broker = broker_open(&options);
     mu_result loaded = store_load(o);
     if (loaded != MU_OK) {
         return mu_exit_for(loaded);

@@ -69,7 +69,6 @@ static inline void net_broker_open(int i)
     struct broker_options options = {.name = net_names[i],
                                      .incarnation = net.incarnation[i],
                                      .number_base = net.incarnation[i], /* as with a store */
-                                     .host = "here",
                                      .pid = 9,
                                      .wall_ns = 1000};
     net.b[i] = broker_kept(&options);

@@ -64,7 +64,6 @@ static inline void story_begin_with(uint64_t delivery_interval_ns, bool audit)
 {
     struct broker_options options = {.name = "alpha",
                                      .incarnation = 5,
-                                     .host = "here",
                                      .pid = 9,
                                      .wall_ns = 1000,
                                      .delivery_interval_ns = delivery_interval_ns,

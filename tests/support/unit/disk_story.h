@@ -47,7 +47,6 @@ static inline void life_begin(uint64_t at_wall_ns)
 {
     struct broker_options options = {.name = "alpha",
                                      .incarnation = at_wall_ns,
-                                     .host = "here",
                                      .pid = 9,
                                      .wall_ns = at_wall_ns,
                                      .has_store = true};

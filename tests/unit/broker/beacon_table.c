@@ -8,7 +8,8 @@
 
 static struct beacon_table own(void)
 {
-    return (struct beacon_table){.name = "alpha", .host = "here", .incarnation = 5, .pid = 9};
+    return (struct beacon_table){
+        .own = {.broker = words("alpha"), .host = words("here"), .incarnation = 5, .pid = 9}};
 }
 
 static muster_Beacon beacon(const char *name, uint64_t incarnation)

@@ -27,7 +27,6 @@ static uint64_t life_begin(const char *name, uint64_t wall_ns)
     struct broker_options options = {.name = "alpha",
                                      .incarnation = disk->incarnation,
                                      .number_base = disk->number_base,
-                                     .host = "here",
                                      .wall_ns = wall_ns,
                                      .has_store = true};
     story.b = broker_kept(&options);

@@ -75,7 +75,6 @@ static void test_a_lease_of_a_run_holds_at_a_neighbour(void)
     offer.origin = words("alpha");
     struct broker_options options = {.name = "beta",
                                      .incarnation = 7,
-                                     .host = "there",
                                      .pid = 9,
                                      .wall_ns = WALL + story.now_ns};
     struct broker *beta = broker_kept(&options);

@@ -207,10 +207,8 @@ static void commit(bool ok)
 static void test_every_mail_is_accounted_for(void)
 {
     struct broker_options options = {.name = "alpha",
-                                     .host = "h",
                                      .has_store = true,
-                                     .box_mails = 8,
-                                     .box_policy = muster_BOX_DROP_OLDEST};
+                                     .boxes = {muster_BOX_DROP_OLDEST, 8, 0}};
     uint64_t seq = 0;
     team(0);
     story.b = broker_kept(&options);

@@ -46,14 +46,12 @@ void life_begin(void)
                                  .began_ns = history.now_ns};
     struct broker_options options = {.name = "alpha",
                                      .incarnation = history.life.incarnation,
-                                     .host = "here",
                                      .pid = 9,
                                      .wall_ns = wall_ns,
                                      .has_store = history.has_store,
                                      .number_base =
                                          history.has_store ? history.life.incarnation : 0,
-                                     .box_policy = history.box_policy,
-                                     .box_mails = history.box_mails};
+                                     .boxes = {history.box_policy, history.box_mails, 0}};
     history.life.b = broker_kept(&options);
     if (history.has_store) {
         disk_restore();
