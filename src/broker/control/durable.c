@@ -243,25 +243,18 @@ static bool restore_mail(struct broker *b, const struct journal_entry *e)
     return true;
 }
 
-static bool line_take(struct broker *b, enum lines_kind lines, const struct line_word *l)
-{
-    struct said said = view_said(b);
-    bool taken = lines_merge(journal_table(b, lines), l, &said, clock_mail_ns(&b->clock)) == MU_OK;
-    notify_tell(b);
-    return taken;
-}
-
 static bool restore_line(struct broker *b, const struct journal_entry *e)
 {
-    const struct line_word *l = &e->line;
-    if ((unsigned)e->lines >= LINES_KINDS || !b->journal.on) {
+    if ((unsigned)e->lines >= LINES_KINDS || !b->journal.on ||
+        e->line.stamp_ns > JOURNAL_NUMBER_MAX) {
         return false;
     }
-    struct journal_lines *s = &b->journal.lines[e->lines];
-    bool taken = l->stamp_ns <= JOURNAL_NUMBER_MAX && line_take(b, e->lines, l);
-    s->reset = s->reset || taken;
-    if (taken && e->lines == LINES_GROUPS && l->present) {
-        agents_named(b, l->agent);
+    struct said now = view_said(b);
+    bool taken = lines_merge(journal_table(b, e->lines), &e->line, &now) == MU_OK;
+    notify_tell(b);
+    b->journal.lines[e->lines].reset = b->journal.lines[e->lines].reset || taken;
+    if (taken && e->lines == LINES_GROUPS && e->line.present) {
+        agents_named(b, e->line.agent);
     }
     return taken;
 }

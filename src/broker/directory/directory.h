@@ -38,6 +38,7 @@ struct said {
     uint64_t stamp_ns;  /* nanoseconds since 1970; inside, of the run */
     const char *origin; /* the broker; at most MU_NAME_MAX bytes */
     bool inside;        /* takes effect at the end of a step */
+    uint64_t mail_ns;   /* the mail clock, by which leases count */
 };
 
 /* A line as processes, disks and other brokers have it. */
@@ -91,19 +92,17 @@ uint32_t lines_get(struct lines *l, const char *key, const char *agent);
 /** Notes whether a line holds, and moves it to the end of the changes. */
 void lines_say(struct lines *l, uint32_t line, bool holds, const struct said *said);
 
-/** Sets what a line of services offers.  @param left_ns  what is left of the lease at mail_ns */
-void lines_offer(struct lines *s, uint32_t line, const char *attributes, uint64_t lease_ns,
-                 uint64_t left_ns, uint64_t mail_ns);
+/** Sets what a line of services offers.  @param left_ns  what is left of the lease now */
+void lines_offer(struct lines *s, uint32_t line, const struct line_word *word, uint64_t left_ns,
+                 const struct said *now);
 
 /**
  * Takes in a line of another broker, or one that was kept on a disk.
  *
- * @param said     now: what is left of a lease is counted from its stamp to said->stamp_ns
- * @param mail_ns  now
+ * @param now  what is left of a lease is counted from its stamp to now->stamp_ns
  * @return MU_OK; MU_EXISTS: a younger one, or this one, is there; MU_FULL; MU_MALFORMED
  */
-mu_result lines_merge(struct lines *l, const struct line_word *word, const struct said *said,
-                      uint64_t mail_ns);
+mu_result lines_merge(struct lines *l, const struct line_word *word, const struct said *now);
 
 /** @return whether a line may have to make room: set `told` before the next change */
 bool lines_full(const struct lines *l);
@@ -154,16 +153,9 @@ const char *groups_name(const struct lines *g, bool inside, uint32_t *place);
  * the caller's to know.
  */
 
-/* What is offered. */
-struct offer {
-    const char *attributes;
-    uint64_t lease_ns;
-    uint64_t mail_ns; /* now */
-};
-
-/** @return NULL, or why not: one word */
-const char *services_advertise(struct lines *s, const char *service, const char *agent,
-                               const struct offer *offer, const struct said *said);
+/** @param word  service, agent, attributes and lease.  @return NULL, or why not: one word */
+const char *services_advertise(struct lines *s, const struct line_word *word,
+                               const struct said *said);
 const char *services_withdraw(struct lines *s, const char *service, const char *agent,
                               const struct said *said);
 

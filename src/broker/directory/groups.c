@@ -82,7 +82,9 @@ const char *groups_leave(struct lines *g, const char *group, const char *agent,
         changelog_touch(&g->changes, own);
     }
     if (!group_has_members(g, group, false) && l->holds) {
-        lines_say(g, own, false, &(struct said){said->stamp_ns, said->origin, false});
+        struct said outside = *said;
+        outside.inside = false;
+        lines_say(g, own, false, &outside);
     }
     return NULL;
 }

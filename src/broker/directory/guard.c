@@ -107,35 +107,19 @@ uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, ui
     return numbers[false];
 }
 
-/* A member of a run is seen as other members see it, and so are all agents by it. */
-static bool is_asked_inside(const struct broker *b, uint32_t agent)
-{
-    return b->pages.asked_inside || view_inside(b, agent);
-}
-
-static bool in_group(void *self, const char *group, const char *name)
-{
-    const struct broker *b = self;
-    uint32_t agent = registry_find(&b->registry, name);
-    return agent != MU_NONE && groups_has(&b->pages.groups, group, name, is_asked_inside(b, agent));
-}
-
 /* An agent has the role R while it is shown with a service that has the attribute role=R. */
-static bool has_role(void *self, const char *role, const char *name)
+static bool has_role(const struct broker *b, const char *role, const char *agent, bool inside)
 {
-    const struct broker *b = self;
     const struct lines *s = &b->pages.services;
     char text[sizeof "* role=" + MU_NAME_MAX];
     struct mu_query query;
-    uint32_t agent = registry_find(&b->registry, name);
     struct mu_text t = mu_text_in(text, sizeof text);
     mu_text_format(&t, "* role=%s", role);
-    if (agent == MU_NONE || mu_attributes_query(&query, text) != MU_OK) {
+    if (mu_attributes_query(&query, text) != MU_OK) {
         return false;
     }
-    bool inside = is_asked_inside(b, agent);
-    uint32_t place = mu_pairs_start(&s->by_agent, name), turned;
-    while ((turned = mu_pairs_of(&s->by_agent, place++, name)) != MU_NONE) {
+    uint32_t place = mu_pairs_start(&s->by_agent, agent), turned;
+    while ((turned = mu_pairs_of(&s->by_agent, place++, agent)) != MU_NONE) {
         uint32_t line = s->line_of[turned];
         if (view_shows(b, line, inside) &&
             mu_attributes_match(&query, mu_pairs_first(&s->pairs, line),
@@ -146,7 +130,20 @@ static bool has_role(void *self, const char *role, const char *name)
     return false;
 }
 
+/* A member of a run is seen as other members see it, and so are all agents by it. */
+static bool party_has(void *self, const struct trust_party *party, const char *name)
+{
+    const struct broker *b = self;
+    uint32_t agent = registry_find(&b->registry, name);
+    if (agent == MU_NONE) {
+        return false;
+    }
+    bool inside = b->pages.asked_inside || view_inside(b, agent);
+    return party->kind == TRUST_GROUP ? groups_has(&b->pages.groups, party->name, name, inside)
+                                      : has_role(b, party->name, name, inside);
+}
+
 void guard_attach(struct broker *b)
 {
-    b->trust.pages = (struct trust_pages){.self = b, .in_group = in_group, .has_role = has_role};
+    b->trust.pages = (struct trust_pages){.self = b, .has = party_has};
 }

@@ -150,14 +150,14 @@ void lines_say(struct lines *l, uint32_t line, bool holds, const struct said *sa
     changelog_touch(&l->changes, line);
 }
 
-void lines_offer(struct lines *l, uint32_t line, const char *attributes, uint64_t lease_ns,
-                 uint64_t left_ns, uint64_t mail_ns)
+void lines_offer(struct lines *l, uint32_t line, const struct line_word *w, uint64_t left_ns,
+                 const struct said *now)
 {
     struct line_offer *o = &l->offers[line];
-    bool ends = lease_ns > 0 && mail_ns <= UINT64_MAX - left_ns;
-    mu_text_copy(o->attributes, sizeof o->attributes, attributes);
-    o->lease_ns = lease_ns;
-    o->until_ns = ends ? mail_ns + left_ns : UINT64_MAX;
+    bool ends = w->lease_ns > 0 && now->mail_ns <= UINT64_MAX - left_ns;
+    mu_text_copy(o->attributes, sizeof o->attributes, w->attributes);
+    o->lease_ns = w->lease_ns;
+    o->until_ns = ends ? now->mail_ns + left_ns : UINT64_MAX;
     l->soonest_ns = o->until_ns < l->soonest_ns ? o->until_ns : l->soonest_ns;
 }
 
@@ -169,14 +169,13 @@ static bool word_is_whole(const struct lines *l, const struct line_word *w)
            (!l->offers || mu_attributes_valid(w->attributes));
 }
 
-mu_result lines_merge(struct lines *l, const struct line_word *w, const struct said *said,
-                      uint64_t mail_ns)
+mu_result lines_merge(struct lines *l, const struct line_word *w, const struct said *now)
 {
     if (!word_is_whole(l, w)) {
         return MU_MALFORMED;
     }
-    uint32_t line = mu_pairs_find(&l->pairs, w->key, w->agent);
-    if (line == MU_NONE && (line = lines_get(l, w->key, w->agent)) == MU_NONE) {
+    uint32_t line = lines_get(l, w->key, w->agent);
+    if (line == MU_NONE) {
         return MU_FULL;
     }
     struct line *at = &l->at[line];
@@ -186,11 +185,11 @@ mu_result lines_merge(struct lines *l, const struct line_word *w, const struct s
         return MU_EXISTS;
     }
     if (l->offers) {
-        uint64_t age_ns = said->stamp_ns > w->stamp_ns ? said->stamp_ns - w->stamp_ns : 0;
+        uint64_t age_ns = now->stamp_ns > w->stamp_ns ? now->stamp_ns - w->stamp_ns : 0;
         uint64_t left_ns = w->lease_ns > age_ns ? w->lease_ns - age_ns : 0;
-        lines_offer(l, line, w->attributes, w->lease_ns, left_ns, mail_ns);
+        lines_offer(l, line, w, left_ns, now);
     }
-    lines_say(l, line, w->present, said);
+    lines_say(l, line, w->present, now);
     at->stamp_ns = w->stamp_ns;
     mu_text_copy(at->origin, sizeof at->origin, w->origin);
     return MU_OK;

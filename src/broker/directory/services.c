@@ -3,20 +3,20 @@
 
 #include "core/name.h"
 
-const char *services_advertise(struct lines *s, const char *service, const char *agent,
-                               const struct offer *offer, const struct said *said)
+const char *services_advertise(struct lines *s, const struct line_word *word,
+                               const struct said *said)
 {
-    if (!mu_name_valid(service) || !mu_name_valid(agent)) {
+    if (!mu_name_valid(word->key) || !mu_name_valid(word->agent)) {
         return "not-a-name";
     }
-    if (!mu_attributes_valid(offer->attributes)) {
+    if (!mu_attributes_valid(word->attributes)) {
         return "not-attributes";
     }
-    uint32_t line = lines_get(s, service, agent);
+    uint32_t line = lines_get(s, word->key, word->agent);
     if (line == MU_NONE) {
         return "full";
     }
-    lines_offer(s, line, offer->attributes, offer->lease_ns, offer->lease_ns, offer->mail_ns);
+    lines_offer(s, line, word, word->lease_ns, said);
     lines_say(s, line, true, said);
     return NULL;
 }

@@ -167,8 +167,8 @@ static bool party_fits(const struct trust *t, const struct trust_party *p,
     case TRUST_ALL: return true;
     case TRUST_ROBOTS: return a->kind == muster_KIND_ROBOT;
     case TRUST_SPECIAL: return a->kind == muster_KIND_SPECIAL;
-    case TRUST_GROUP: return pages->in_group && pages->in_group(pages->self, p->name, a->name);
-    case TRUST_ROLE: return pages->has_role && pages->has_role(pages->self, p->name, a->name);
+    case TRUST_GROUP:
+    case TRUST_ROLE: return pages->has && pages->has(pages->self, p, a->name);
     }
     return false;
 }

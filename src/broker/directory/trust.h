@@ -47,12 +47,11 @@ struct trust_line {
     struct trust_party who, whom;
 };
 
-/* What a line needs to know of others: asked when a directive comes, not when the file is read.  A
- * question that is NULL is answered with no. */
+/* What a line needs to know of others: asked when a directive comes, not when the file is read. */
 struct trust_pages {
     void *self;
-    bool (*in_group)(void *self, const char *group, const char *agent);
-    bool (*has_role)(void *self, const char *role, const char *agent);
+    /* Whether an agent is in the group, or has the role; NULL: none is, or has. */
+    bool (*has)(void *self, const struct trust_party *party, const char *agent);
 };
 
 struct trust {

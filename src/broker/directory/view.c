@@ -58,11 +58,10 @@ struct said view_said(struct broker *b)
     if (lines_full(&b->pages.groups) || lines_full(&b->pages.services)) {
         told_update(b);
     }
-    return (struct said){
-        .stamp_ns = clock_stamp_ns(&b->clock),
-        .origin = b->name,
-        .inside = !clock_collects(&b->clock),
-    };
+    return (struct said){.stamp_ns = clock_stamp_ns(&b->clock),
+                         .origin = b->name,
+                         .inside = !clock_collects(&b->clock),
+                         .mail_ns = clock_mail_ns(&b->clock)};
 }
 
 /* What was said inside has a stamp of the run, and a lease that counts its time. */

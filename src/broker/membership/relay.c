@@ -140,19 +140,17 @@ static void receipt_take(struct broker *b, const struct peer *p, const muster_Re
 static void lines_take(struct broker *b, const muster_Delivery *d)
 {
     struct said said = view_said(b);
-    uint64_t mail_ns = clock_mail_ns(&b->clock);
     said.stamp_ns = clock_wall_ns(&b->clock);
     for (uint32_t i = 0; i < d->memberships._length; i++) {
         const muster_Membership *m = &d->memberships._buffer[i];
         struct line_word w = {m->group, m->agent, m->joined, "", m->origin, 0, m->stamp_ns};
-        b->counters.malformed += lines_merge(&b->pages.groups, &w, &said, mail_ns) == MU_MALFORMED;
+        b->counters.malformed += lines_merge(&b->pages.groups, &w, &said) == MU_MALFORMED;
     }
     for (uint32_t i = 0; i < d->offers._length; i++) {
         const muster_Offer *o = &d->offers._buffer[i];
         struct line_word w = {o->service, o->agent,    o->offered, o->attributes,
                               o->origin,  o->lease_ns, o->stamp_ns};
-        b->counters.malformed +=
-            lines_merge(&b->pages.services, &w, &said, mail_ns) == MU_MALFORMED;
+        b->counters.malformed += lines_merge(&b->pages.services, &w, &said) == MU_MALFORMED;
     }
     notify_tell(b);
 }

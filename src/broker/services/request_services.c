@@ -41,17 +41,17 @@ static bool lease_read(const char *seconds, uint64_t *lease_ns)
 void request_advertise(struct broker *b, const struct mail *question)
 {
     struct advert a;
-    struct offer offer = {.attributes = a.attributes, .mail_ns = clock_mail_ns(&b->clock)};
-    if (!advert_read(question->letter.content, &a) || !lease_read(a.seconds, &offer.lease_ns)) {
+    struct line_word word = {.key = a.service, .attributes = a.attributes};
+    if (!advert_read(question->letter.content, &a) || !lease_read(a.seconds, &word.lease_ns)) {
         request_not_understood(b, question);
         return;
     }
-    const char *agent = request_actor(b, question, a.agent);
-    if (!agent) {
+    word.agent = request_actor(b, question, a.agent);
+    if (!word.agent) {
         return;
     }
     struct said said = view_said(b);
-    const char *refusal = services_advertise(&b->pages.services, a.service, agent, &offer, &said);
+    const char *refusal = services_advertise(&b->pages.services, &word, &said);
     request_changed(b, question, refusal, a.service);
 }
 

@@ -214,8 +214,8 @@ static void test_mail_to_a_group_of_members(void)
     struct line_word red = {"scouts", "red", true, "", "beta", 0, UINT64_MAX / 2};
     struct line_word green = {"scouts", "green", false, "", "beta", 0, UINT64_MAX / 2};
     struct said outside = {.origin = "beta"};
-    CU_ASSERT_EQUAL(lines_merge(&story.b->pages.groups, &red, &outside, 0), MU_OK);
-    CU_ASSERT_EQUAL(lines_merge(&story.b->pages.groups, &green, &outside, 0), MU_OK);
+    CU_ASSERT_EQUAL(lines_merge(&story.b->pages.groups, &red, &outside), MU_OK);
+    CU_ASSERT_EQUAL(lines_merge(&story.b->pages.groups, &green, &outside), MU_OK);
     muster_Mail gold = letter("red", ++pages_seq, "group:scouts", "gold");
     step(0, &gold);
     HEARD("green: red gold", hear(false));

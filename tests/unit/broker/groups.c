@@ -133,7 +133,7 @@ static mu_result merge(struct lines *g, const char *agent, bool joined, uint64_t
                        const char *origin)
 {
     struct line_word w = {"scouts", agent, joined, "", origin, 0, stamp_ns};
-    return lines_merge(g, &w, &(struct said){.inside = true, .origin = "here"}, 0);
+    return lines_merge(g, &w, &(struct said){.inside = true, .origin = "here"});
 }
 
 static bool has(const struct lines *g, const char *agent)

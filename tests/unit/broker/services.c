@@ -166,7 +166,7 @@ static struct lines kept[2]; /* static: leak checkers see their memory */
 static void test_merge(void)
 {
     struct lines *s = &kept[0];
-    struct said now = {.stamp_ns = 100, .origin = "here", .inside = true};
+    struct said now = {.stamp_ns = 100, .origin = "here", .inside = true, .mail_ns = 7};
     struct line_word o = {.key = words("mapper"),
                           .agent = words("red"),
                           .present = true,
@@ -175,8 +175,8 @@ static void test_merge(void)
                           .stamp_ns = 80,
                           .origin = words("there")};
     lines_init(s, LINES_SERVICES);
-    CU_ASSERT_EQUAL(lines_merge(s, &o, &now, 7), MU_OK);
-    CU_ASSERT_EQUAL(lines_merge(s, &o, &now, 7), MU_EXISTS);
+    CU_ASSERT_EQUAL(lines_merge(s, &o, &now), MU_OK);
+    CU_ASSERT_EQUAL(lines_merge(s, &o, &now), MU_EXISTS);
     uint32_t index = mu_pairs_find(&s->pairs, "mapper", "red");
     const struct line *line = &s->at[index];
     CU_ASSERT_EQUAL(s->offers[index].until_ns, 7 + 40); /* 20 of the lease are over */
@@ -184,13 +184,13 @@ static void test_merge(void)
     CU_ASSERT_STRING_EQUAL(line->origin, "there");
     o.present = false;
     o.stamp_ns = 79;
-    CU_ASSERT_EQUAL(lines_merge(s, &o, &now, 7), MU_EXISTS);
+    CU_ASSERT_EQUAL(lines_merge(s, &o, &now), MU_EXISTS);
     o.present = true;
     o.stamp_ns = 80; /* said at two brokers at once: the later name stands everywhere */
     o.origin = words("theme");
-    CU_ASSERT_EQUAL(lines_merge(s, &o, &now, 7), MU_EXISTS);
+    CU_ASSERT_EQUAL(lines_merge(s, &o, &now), MU_EXISTS);
     o.origin = words("thorn");
-    CU_ASSERT_EQUAL(lines_merge(s, &o, &now, 7), MU_OK);
+    CU_ASSERT_EQUAL(lines_merge(s, &o, &now), MU_OK);
     CU_ASSERT_STRING_EQUAL(line->origin, "thorn");
     services_expire(s, 46);
     CU_ASSERT_TRUE(line->holds);
@@ -200,27 +200,28 @@ static void test_merge(void)
     o.present = true;
     o.stamp_ns = 90;
     o.attributes = words("x");
-    CU_ASSERT_EQUAL(lines_merge(s, &o, &now, 7), MU_MALFORMED);
+    CU_ASSERT_EQUAL(lines_merge(s, &o, &now), MU_MALFORMED);
     o.attributes = words("");
-    CU_ASSERT_EQUAL(lines_merge(s, &o, &now, 7), MU_OK);
+    CU_ASSERT_EQUAL(lines_merge(s, &o, &now), MU_OK);
 }
 
 static void test_limit_lines(void)
 {
     struct lines *s = &kept[1];
     struct said said = {.stamp_ns = 1, .origin = "a", .inside = true};
-    struct offer offer = {.attributes = ""};
     char name[MU_NAME_MAX + 1];
+    struct line_word some = {.key = name, .agent = "red", .attributes = ""};
+    struct line_word cook = {.key = "cook", .agent = "red", .attributes = ""};
     lines_init(s, LINES_SERVICES);
     for (int i = 0; i < MU_SERVICES_MAX; i++) {
         snprintf(name, sizeof name, "s%d", i);
-        CU_ASSERT_PTR_NULL_FATAL(services_advertise(s, name, "red", &offer, &said));
+        CU_ASSERT_PTR_NULL_FATAL(services_advertise(s, &some, &said));
     }
-    CU_ASSERT_STRING_EQUAL(services_advertise(s, "cook", "red", &offer, &said), "full");
+    CU_ASSERT_STRING_EQUAL(services_advertise(s, &cook, &said), "full");
     CU_ASSERT_PTR_NULL(services_withdraw(s, "s7", "red", &said));
-    CU_ASSERT_STRING_EQUAL(services_advertise(s, "cook", "red", &offer, &said), "full");
+    CU_ASSERT_STRING_EQUAL(services_advertise(s, &cook, &said), "full");
     s->told = s->changes.version;
-    CU_ASSERT_PTR_NULL(services_advertise(s, "cook", "red", &offer, &said));
+    CU_ASSERT_PTR_NULL(services_advertise(s, &cook, &said));
     CU_ASSERT_EQUAL(mu_pairs_find(&s->pairs, "s7", "red"), MU_NONE);
     CU_ASSERT_EQUAL(mu_pairs_find(&s->by_agent, "red", "s7"), MU_NONE);
     CU_ASSERT_NOT_EQUAL(mu_pairs_find(&s->by_agent, "red", "cook"), MU_NONE);
@@ -230,8 +231,8 @@ static void test_limit_lines(void)
 static void test_a_line_that_makes_room_is_forgotten(void)
 {
     struct lines *s;
-    struct offer offer = {.attributes = ""};
     char name[MU_NAME_MAX + 1];
+    struct line_word some = {.key = name, .agent = "away", .attributes = ""};
     team();
     (void)say("red", "subscribe", "*");
     (void)say("green", "advertise", "mapper");
@@ -242,7 +243,7 @@ static void test_a_line_that_makes_room_is_forgotten(void)
     for (int i = 0; i < MU_SERVICES_MAX - 1; i++) {
         struct said said = view_said(story.b);
         snprintf(name, sizeof name, "s%d", i);
-        CU_ASSERT_PTR_NULL_FATAL(services_advertise(s, name, "away", &offer, &said));
+        CU_ASSERT_PTR_NULL_FATAL(services_advertise(s, &some, &said));
     }
     (void)hear(true);
     HEARD("green: inform advertise cook", say("green", "advertise", "cook"));

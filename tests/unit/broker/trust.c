@@ -25,16 +25,12 @@ static bool robot_allows(const char *who, const char *whom)
     return allows(who, muster_KIND_ROBOT, whom, muster_KIND_ROBOT);
 }
 
-static bool in_group(void *self, const char *group, const char *agent)
+static bool party_has(void *self, const struct trust_party *party, const char *agent)
 {
     (void)self;
-    return strcmp(group, "scouts") == 0 && strcmp(agent, "blue") == 0;
-}
-
-static bool has_role(void *self, const char *role, const char *agent)
-{
-    (void)self;
-    return strcmp(role, "leader") == 0 && strcmp(agent, "red") == 0;
+    return party->kind == TRUST_GROUP
+               ? strcmp(party->name, "scouts") == 0 && strcmp(agent, "blue") == 0
+               : strcmp(party->name, "leader") == 0 && strcmp(agent, "red") == 0;
 }
 
 /* --- the file --------------------------------------------------------------------------------- */
@@ -90,7 +86,7 @@ static void test_groups_and_roles_are_asked_for(void)
     CU_ASSERT_EQUAL(policy("allow role:leader direct group:scouts\n"), MU_OK);
     trust.pages = (struct trust_pages){0};
     CU_ASSERT_FALSE(robot_allows("red", "blue")); /* nobody knows */
-    trust.pages = (struct trust_pages){.in_group = in_group, .has_role = has_role};
+    trust.pages = (struct trust_pages){.has = party_has};
     CU_ASSERT_TRUE(robot_allows("red", "blue"));
     CU_ASSERT_FALSE(robot_allows("red", "green"));
     CU_ASSERT_FALSE(robot_allows("green", "blue"));
