@@ -249,10 +249,10 @@ static const struct {
     int words;
     void (*run)(char **words);
 } loads[] = {
-    {"crowd", 3, load_crowd}, {"ping", 3, load_ping},
-    {"flood", 4, load_flood}, {"tell", 3, load_tell},         {"visit", 2, load_visit},
-    {"store", 4, load_store}, {"drain", 3, load_drain},       {"pour", 3, load_pour},
-    {"deaf", 2, load_deaf},   {"pace", 4, load_pace}, {"pairs", 3, load_pairs},
+    {"crowd", 3, load_crowd}, {"ping", 3, load_ping},   {"flood", 4, load_flood},
+    {"tell", 3, load_tell},   {"visit", 2, load_visit}, {"store", 4, load_store},
+    {"drain", 3, load_drain}, {"pour", 3, load_pour},   {"deaf", 2, load_deaf},
+    {"pace", 4, load_pace},   {"pairs", 3, load_pairs},
 };
 
 int main(int argc, char **argv)

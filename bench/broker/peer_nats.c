@@ -73,7 +73,8 @@ static void connection_open(const char *port)
     or_die(natsOptions_SetURL(options, url), "URL");
     or_die(natsOptions_SetSendAsap(options, true), "options");
     or_die(natsOptions_SetEventLoop(options, &peer, on_attach, on_read_wanted, on_write_wanted,
-                                    on_detach), "event loop");
+                                    on_detach),
+           "event loop");
     or_die(natsConnection_Connect(&peer.connection, options), "connect");
     natsOptions_Destroy(options);
 }

@@ -53,9 +53,8 @@ static bool socket_hold(int fd)
     /* qemu's user mode binds, too, and cannot say to what: it hands on too small a buffer for a
      * name, which Linux refuses. */
     return setsockopt(fd, SOL_SOCKET, SO_BINDTODEVICE, lo, sizeof lo) == 0 &&
-           (getsockopt(fd, SOL_SOCKET, SO_BINDTODEVICE, device, &len) == 0
-                ? strcmp(device, lo) == 0
-                : errno == EINVAL);
+           (getsockopt(fd, SOL_SOCKET, SO_BINDTODEVICE, device, &len) == 0 ? strcmp(device, lo) == 0
+                                                                           : errno == EINVAL);
 }
 
 bool loopback_hold(const struct loopback *before)

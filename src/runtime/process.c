@@ -137,9 +137,7 @@ mu_result mu_process_open_built(mu_process **out, const struct mu_process_option
         return MU_FAULT_USAGE;
     }
     mu_process *p = mu_startup_alloc(sizeof *p);
-    p->role = options->with_body ? PROCESS_BODY
-              : options->watches ? PROCESS_WATCH
-                                 : PROCESS_PLAIN;
+    p->role = options->with_body ? PROCESS_BODY : options->watches ? PROCESS_WATCH : PROCESS_PLAIN;
     p->pid = getpid();
     process_take_memory(p, options->agents, options->outbox);
     p->handlers_size = sizes[1];
