@@ -11,8 +11,8 @@
 #include <linux/sockios.h>
 #include <sys/ioctl.h>
 
-/* What a reader does not take is kept, up to so much: then it is the writer that waits.  As what
- * DDS keeps (config.c). */
+/* What a reader does not take is kept, up to so much: then it is the writer that waits.
+ * DDS keeps 2 MB (config.c). */
 enum { WAITING_MAX = 8 << 20 };
 
 /* So long a sample waits for the answer of a reader; then the pair stays with DDS.  A reader that
