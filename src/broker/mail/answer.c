@@ -24,41 +24,36 @@ struct mu_text answer_begin(struct broker *b, const char *word)
     return t;
 }
 
-static void answer_post(struct broker *b, uint32_t own, uint32_t receiver, muster_Mail *m)
+static char *text_of(char *text)
 {
-    bool inside = scope_is_inside(b->registry.agents[receiver].scope);
-    m->src = b->registry.agents[own].name;
-    m->dst = b->registry.agents[receiver].name;
-    m->layer = 2;
-    m->language = sample_text("");
-    m->due_ns = -1;
-    m->seq = (inside ? 0 : outside_answers(b)) + ++b->answers[inside ? 0 : 1];
-    deliver_send(b, receiver, m);
+    return text ? text : sample_text("");
 }
 
-static muster_Mail letter_of(const char *performative, const char *reply_with,
-                             const char *in_reply_to, char *content)
+void answer_post(struct broker *b, uint32_t own, uint32_t receiver, muster_Mail *letter)
 {
-    return (muster_Mail){.performative = sample_text(performative),
-                         .ontology = sample_text(""),
-                         .reply_with = sample_text(reply_with),
-                         .in_reply_to = sample_text(in_reply_to),
-                         .conversation = sample_text(""),
-                         .content = content};
+    bool inside = scope_is_inside(b->registry.agents[receiver].scope);
+    letter->src = b->registry.agents[own].name;
+    letter->dst = b->registry.agents[receiver].name;
+    letter->layer = 2;
+    letter->language = sample_text("");
+    letter->ontology = text_of(letter->ontology);
+    letter->reply_with = text_of(letter->reply_with);
+    letter->in_reply_to = text_of(letter->in_reply_to);
+    letter->conversation = text_of(letter->conversation);
+    letter->content = b->text;
+    letter->due_ns = -1;
+    letter->seq = (inside ? 0 : outside_answers(b)) + ++b->answers[inside ? 0 : 1];
+    deliver_send(b, receiver, letter);
 }
 
 void answer_reply(struct broker *b, uint32_t own, const struct mail *question,
-                  const char *performative, char *content)
+                  const char *performative)
 {
-    muster_Mail m = letter_of(performative, "", question->letter.reply_with, content);
-    m.ontology = question->letter.ontology;
-    m.conversation = question->letter.conversation;
-    answer_post(b, own, question->sender, &m);
-}
-
-void answer_send(struct broker *b, const struct mail *question, const char *performative)
-{
-    answer_reply(b, REGISTRY_BROKER, question, performative, b->text);
+    muster_Mail answer = {.performative = sample_text(performative),
+                          .ontology = question->letter.ontology,
+                          .in_reply_to = question->letter.reply_with,
+                          .conversation = question->letter.conversation};
+    answer_post(b, own, question->sender, &answer);
 }
 
 void answer_word(struct broker *b, const struct mail *question, const char *performative,
@@ -66,20 +61,5 @@ void answer_word(struct broker *b, const struct mail *question, const char *perf
 {
     struct mu_text t = answer_begin(b, word);
     mu_fields_add(&t, field);
-    answer_send(b, question, performative);
-}
-
-void answer_inform(struct broker *b, uint32_t receiver, const char *in_reply_to,
-                   const char *conversation)
-{
-    muster_Mail m = letter_of("inform", "", in_reply_to, b->text);
-    m.conversation = sample_text(conversation);
-    answer_post(b, REGISTRY_BROKER, receiver, &m);
-}
-
-void answer_ask(struct broker *b, uint32_t receiver, const char *performative,
-                const char *reply_with)
-{
-    muster_Mail m = letter_of(performative, reply_with, "", b->text);
-    answer_post(b, REGISTRY_BROKER, receiver, &m);
+    answer_reply(b, REGISTRY_BROKER, question, performative);
 }

@@ -269,28 +269,22 @@ void deliver_send(struct broker *b, uint32_t receiver, const muster_Mail *letter
 
 /* --- answer.c -------------------------------------------------------------------------------- */
 
-/** Answers a mail; own is the agent that was asked, performative is inform, failure or
- * not-understood. */
-void answer_reply(struct broker *b, uint32_t own, const struct mail *question,
-                  const char *performative, char *content);
+/* What the broker says by mail is put together in b->text, and goes out from there. */
 
 /** Begins an answer with a word. */
 struct mu_text answer_begin(struct broker *b, const char *word);
 
-/** Sends b->text in answer to a question that was put to the broker itself. */
-void answer_send(struct broker *b, const struct mail *question, const char *performative);
+/** Answers a mail; own is the agent that was asked, performative is inform, failure, refuse or
+ * not-understood. */
+void answer_reply(struct broker *b, uint32_t own, const struct mail *question,
+                  const char *performative);
 
 /** The broker answers with a word and one field. */
 void answer_word(struct broker *b, const struct mail *question, const char *performative,
                  const char *word, const char *field);
 
-/** Sends b->text to an agent that has asked earlier. */
-void answer_inform(struct broker *b, uint32_t receiver, const char *in_reply_to,
-                   const char *conversation);
-
-/** Asks an agent what stands in b->text. */
-void answer_ask(struct broker *b, uint32_t receiver, const char *performative,
-                const char *reply_with);
+/** Tells or asks an agent something; of the letter, what is NULL is said to be "". */
+void answer_post(struct broker *b, uint32_t own, uint32_t receiver, muster_Mail *letter);
 
 /* --- resolve.c ------------------------------------------------------------------------------- */
 

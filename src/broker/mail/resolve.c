@@ -51,7 +51,8 @@ static void resolver_ask(struct broker *b, uint32_t index)
     mu_fields_add_string(&t, w->mail->letter.dst);
     mu_fields_add(&t, w->mail->letter.src);
     snprintf(ticket, sizeof ticket, "%s%" PRIu64, TICKET, w->ticket);
-    answer_ask(b, w->resolver, "resolve", ticket);
+    muster_Mail question = {.performative = sample_text("resolve"), .reply_with = ticket};
+    answer_post(b, REGISTRY_BROKER, w->resolver, &question);
 }
 
 void resolve_wait(struct broker *b, struct mail *m)

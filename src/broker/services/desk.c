@@ -67,7 +67,7 @@ static void request_lookup(struct broker *b, const struct mail *question)
     bool inside = scope_is_inside(b->registry.agents[question->sender].scope);
     mu_fields_add(&t, m.host);
     mu_text_format(&t, " %lu", inside ? 0ul : (unsigned long)m.pid);
-    answer_send(b, question, "inform");
+    answer_reply(b, REGISTRY_BROKER, question, "inform");
 }
 
 static void request_listing(struct broker *b, const struct mail *question)
@@ -149,7 +149,7 @@ static void request_refuse(struct broker *b, uint32_t own, const struct mail *qu
 {
     struct mu_text t = answer_begin(b, "performative");
     mu_fields_add(&t, question->letter.performative);
-    answer_reply(b, own, question, "not-understood", b->text);
+    answer_reply(b, own, question, "not-understood");
 }
 
 static void desk_answer(struct broker *b, const struct mail *question)

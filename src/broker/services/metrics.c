@@ -199,7 +199,7 @@ void metrics_answer(struct broker *b, uint32_t own, const struct mail *question)
     const char *refusal = scope_refuses_counters(b->registry.agents[question->sender].scope);
     if (refusal) {
         (void)answer_begin(b, refusal);
-        answer_reply(b, own, question, "failure", b->text);
+        answer_reply(b, own, question, "failure");
         return;
     }
     struct mu_text t = answer_begin(b, metrics_part_name(own));
@@ -213,5 +213,5 @@ void metrics_answer(struct broker *b, uint32_t own, const struct mail *question)
         }
     }
     MU_ASSERT(!t.cut);
-    answer_reply(b, own, question, "inform", b->text);
+    answer_reply(b, own, question, "inform");
 }

@@ -12,14 +12,16 @@ static void subscriber_send(struct broker *b, uint32_t receiver, const struct su
                             uint32_t line, bool came)
 {
     const struct mu_pairs *pairs = &b->pages.services.pairs;
-    struct mu_text t = mu_text_in(b->text, sizeof b->text);
-    mu_text_add(&t, came ? "came" : "went");
+    struct mu_text t = answer_begin(b, came ? "came" : "went");
     mu_fields_add(&t, mu_pairs_first(pairs, line));
     mu_fields_add(&t, mu_pairs_second(pairs, line));
     if (came) {
         mu_fields_add_string(&t, b->pages.services.offers[line].attributes);
     }
-    answer_inform(b, receiver, s->in_reply_to, s->conversation);
+    muster_Mail news = {.performative = sample_text("inform"),
+                        .in_reply_to = sample_text(s->in_reply_to),
+                        .conversation = sample_text(s->conversation)};
+    answer_post(b, REGISTRY_BROKER, receiver, &news);
 }
 
 static void subscriber_tell(struct broker *b, struct subscription *s, uint32_t line, bool silently)

@@ -24,7 +24,7 @@ void request_not_understood(struct broker *b, const struct mail *question)
 {
     b->counters.malformed++;
     (void)answer_begin(b, question->letter.performative);
-    answer_send(b, question, "not-understood");
+    answer_reply(b, REGISTRY_BROKER, question, "not-understood");
 }
 
 void request_changed(struct broker *b, const struct mail *question, const char *refusal,
@@ -68,30 +68,26 @@ const char *request_actor(struct broker *b, const struct mail *question, const c
 
 /* --- lists ------------------------------------------------------------------------------------ */
 
-static void list_open(struct broker *b, struct request_list *l)
-{
-    l->text = answer_begin(b, l->word);
-    if (l->of[0]) {
-        mu_fields_add(&l->text, l->of);
-    }
-}
-
 void request_list_begin(struct broker *b, struct request_list *l, const struct mail *question,
                         const char *word, const char *of)
 {
-    *l = (struct request_list){.question = question, .word = word, .of = of};
-    list_open(b, l);
+    *l = (struct request_list){.question = question, .text = answer_begin(b, word)};
+    if (of[0]) {
+        mu_fields_add(&l->text, of);
+    }
+    l->head = l->text.len;
 }
 
 void request_list_room(struct broker *b, struct request_list *l, size_t bytes)
 {
     if (l->text.len + bytes > MU_CONTENT_MAX) {
         request_list_end(b, l);
-        list_open(b, l);
+        l->text.len = l->head;
+        l->text.at[l->head] = '\0';
     }
 }
 
 void request_list_end(struct broker *b, const struct request_list *l)
 {
-    answer_send(b, l->question, "inform");
+    answer_reply(b, REGISTRY_BROKER, l->question, "inform");
 }

@@ -101,8 +101,8 @@ typedef char request_name[MU_FIELD_MAX + 1];
 /* An answer that may not fit one mail. */
 struct request_list {
     const struct mail *question;
-    const char *word, *of; /* each mail begins so; of: "" for nothing */
     struct mu_text text;
+    size_t head; /* so many of its bytes begin each mail */
 };
 
 /* Changes a line of groups or services in an agent's name.  @return why not, or NULL: done */
