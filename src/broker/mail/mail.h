@@ -72,26 +72,6 @@ void probes_sent(struct broker *b);
 
 /* The receivers of a mail: names, a kind, a group, or agents that a resolver has named. */
 
-/* The verbs of questions and changes. */
-enum recipients_verb {
-    VERB_LOOKUP,
-    VERB_LISTING,
-    VERB_GROUPS,
-    VERB_MEMBERS,
-    VERB_GROUP_CREATE,
-    VERB_GROUP_JOIN,
-    VERB_GROUP_LEAVE,
-    VERB_ADVERTISE,
-    VERB_WITHDRAW,
-    VERB_FIND_SERVICE,
-    VERB_SUBSCRIBE,
-    VERB_UNSUBSCRIBE,
-    VERB_VERBS
-};
-
-/** @return the verb of a mail to the broker; VERB_VERBS: it is none */
-enum recipients_verb recipients_verb(const struct mail *question);
-
 /* The receivers of a mail, each once; too large to be cleared for every mail. */
 struct recipients {
     uint32_t agents[REGISTRY_MAX];

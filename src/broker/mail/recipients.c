@@ -132,46 +132,32 @@ void recipients_of_letter(struct broker *b, const muster_Mail *letter, uint32_t 
     }
 }
 
-/* The verbs of questions and changes. */
+/* Changes that may name an agent: in which of their fields, from 1. */
 static const struct {
     const char *performative;
-    unsigned names; /* which of its fields, from 1, names an agent that it changes; 0: none */
-} verbs[VERB_VERBS] = {
-    [VERB_LOOKUP] = {"lookup", 0},
-    [VERB_LISTING] = {"listing", 0},
-    [VERB_GROUPS] = {"groups", 0},
-    [VERB_MEMBERS] = {"members", 0},
-    [VERB_GROUP_CREATE] = {"group-create", 0},
-    [VERB_GROUP_JOIN] = {"group-join", 2},
-    [VERB_GROUP_LEAVE] = {"group-leave", 2},
-    [VERB_ADVERTISE] = {"advertise", 4},
-    [VERB_WITHDRAW] = {"withdraw", 2},
-    [VERB_FIND_SERVICE] = {"find-service", 0},
-    [VERB_SUBSCRIBE] = {"subscribe", 0},
-    [VERB_UNSUBSCRIBE] = {"unsubscribe", 0},
-};
+    unsigned field;
+} changes[] = {{"group-join", 2}, {"group-leave", 2}, {"advertise", 4}, {"withdraw", 2}};
 
-enum recipients_verb recipients_verb(const struct mail *question)
+static unsigned field_of_agent(const struct mail *question)
 {
-    enum recipients_verb verb = 0;
-    while (verb < VERB_VERBS &&
-           (question->letter.layer != 2 ||
-            strcmp(question->letter.performative, verbs[verb].performative) != 0)) {
-        verb++;
+    for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++) {
+        if (question->letter.layer == 2 &&
+            strcmp(question->letter.performative, changes[i].performative) == 0) {
+            return changes[i].field;
+        }
     }
-    return verb;
+    return 0;
 }
 
 /* @return the agent in whose name it is to change something, if it names one; else MU_NONE */
 static uint32_t agent_named(const struct broker *b, const struct mail *question)
 {
-    enum recipients_verb verb = recipients_verb(question);
-    unsigned names = verb < VERB_VERBS ? verbs[verb].names : 0;
+    unsigned field = field_of_agent(question);
     const char *content = question->letter.content;
     char name[MU_NAME_MAX + 1];
     bool whole = false;
     struct mu_text read = mu_text_in(name, sizeof name);
-    for (unsigned i = 0; i < names; i++) {
+    for (unsigned i = 0; i < field; i++) {
         whole = mu_fields_next(&content, &read);
         if (!whole && !read.cut) {
             return MU_NONE;

@@ -124,25 +124,28 @@ static void request_group_create(struct broker *b, const struct mail *question)
     }
 }
 
-/* A verb is answered, or it changes groups or services in the name of an agent. */
+/* A question is answered; a change of groups or services is made in the name of an agent. */
 static const struct {
+    const char *performative;
     void (*answer)(struct broker *b, const struct mail *question);
     request_change *change;
     enum lines_kind table;
-} verbs[VERB_VERBS] = {
-    [VERB_LOOKUP] = {request_lookup},
-    [VERB_LISTING] = {request_listing},
-    [VERB_GROUPS] = {request_groups},
-    [VERB_MEMBERS] = {request_members},
-    [VERB_GROUP_CREATE] = {request_group_create},
-    [VERB_GROUP_JOIN] = {.change = groups_join, .table = LINES_GROUPS},
-    [VERB_GROUP_LEAVE] = {.change = groups_leave, .table = LINES_GROUPS},
-    [VERB_ADVERTISE] = {request_advertise},
-    [VERB_WITHDRAW] = {.change = services_withdraw, .table = LINES_SERVICES},
-    [VERB_FIND_SERVICE] = {request_find_service},
-    [VERB_SUBSCRIBE] = {request_subscribe},
-    [VERB_UNSUBSCRIBE] = {request_unsubscribe},
+} verbs[] = {
+    {"lookup", .answer = request_lookup},
+    {"listing", .answer = request_listing},
+    {"groups", .answer = request_groups},
+    {"members", .answer = request_members},
+    {"group-create", .answer = request_group_create},
+    {"group-join", .change = groups_join, .table = LINES_GROUPS},
+    {"group-leave", .change = groups_leave, .table = LINES_GROUPS},
+    {"advertise", .answer = request_advertise},
+    {"withdraw", .change = services_withdraw, .table = LINES_SERVICES},
+    {"find-service", .answer = request_find_service},
+    {"subscribe", .answer = request_subscribe},
+    {"unsubscribe", .answer = request_unsubscribe},
 };
+
+enum { VERBS = sizeof verbs / sizeof verbs[0] };
 
 /* Answers that this is not understood. */
 static void request_refuse(struct broker *b, uint32_t own, const struct mail *question)
@@ -154,13 +157,16 @@ static void request_refuse(struct broker *b, uint32_t own, const struct mail *qu
 
 static void desk_answer(struct broker *b, const struct mail *question)
 {
-    enum recipients_verb verb = recipients_verb(question);
-    if (verb == VERB_VERBS) {
+    size_t i = 0;
+    while (i < VERBS && strcmp(question->letter.performative, verbs[i].performative) != 0) {
+        i++;
+    }
+    if (i == VERBS || question->letter.layer != 2) {
         request_refuse(b, REGISTRY_BROKER, question);
-    } else if (verbs[verb].change) {
-        change_make(b, question, journal_table(b, verbs[verb].table), verbs[verb].change);
+    } else if (verbs[i].change) {
+        change_make(b, question, journal_table(b, verbs[i].table), verbs[i].change);
     } else {
-        verbs[verb].answer(b, question);
+        verbs[i].answer(b, question);
     }
 }
 
