@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /**
  * @file scope.h
- * The rules of isolation between a run that goes in lock step and everything else: tables alone.
+ * The rules of isolation between a run that goes in lock step and everything else.
  */
 #ifndef MUSTER_BROKER_SCOPE_H
 #define MUSTER_BROKER_SCOPE_H
@@ -11,7 +11,7 @@
 /*
  * What is inside of a run that goes in lock step does not depend on the wall clock, and so not on
  * what is outside.  An agent, a process and a line of the broker's own each have a scope, a byte;
- * these rules are all that the broker asks of it.
+ * these rules are all that the broker asks of it.  To an agent outside all others are open.
  */
 
 enum scope {
@@ -23,29 +23,6 @@ enum scope {
     SCOPE_BROKER, /* the broker's own line */
     SCOPE_PART,   /* the line of one of its parts */
     SCOPES
-};
-
-/* What holds of one agent or process. */
-enum scope_rule { RULE_INSIDE, RULE_PACED, RULE_WAITS, RULE_SHOWN_LINES, RULES };
-
-static const bool scope_rules[RULES][SCOPES] = {
-    [RULE_INSIDE] = {[SCOPE_RUN] = true},
-    [RULE_PACED] = {[SCOPE_BESIDE] = true, [SCOPE_RUN] = true},
-    [RULE_WAITS] = {[SCOPE_AWAITED] = true},
-    [RULE_SHOWN_LINES] = {[SCOPE_OPEN] = true, [SCOPE_RUN] = true},
-};
-
-/* What one has to do with another; an agent outside has to do with all. */
-enum scope_relation { RELATION_SEES, RELATION_ADDRESSES, RELATION_CROSSES, RELATIONS };
-
-static const bool scope_of_run[RELATIONS][SCOPES] = {
-    [RELATION_SEES] = {[SCOPE_RUN] = true, [SCOPE_BROKER] = true},
-    [RELATION_ADDRESSES] = {[SCOPE_OPEN] = true,
-                            [SCOPE_AWAITED] = true,
-                            [SCOPE_BESIDE] = true,
-                            [SCOPE_RUN] = true,
-                            [SCOPE_BROKER] = true},
-    [RELATION_CROSSES] = {[SCOPE_OPEN] = true, [SCOPE_AWAITED] = true, [SCOPE_BESIDE] = true},
 };
 
 /**
@@ -75,19 +52,19 @@ static inline enum scope scope_of_word(bool in_step)
 /** @return whether all that it does and learns is the same in every run */
 static inline bool scope_is_inside(enum scope scope)
 {
-    return scope_rules[RULE_INSIDE][scope];
+    return scope == SCOPE_RUN;
 }
 
 /** @return whether the steps of the run wait for it, and it for them */
 static inline bool scope_is_paced(enum scope scope)
 {
-    return scope_rules[RULE_PACED][scope];
+    return scope == SCOPE_RUN || scope == SCOPE_BESIDE;
 }
 
 /** @return whether its mail waits for its first step */
 static inline bool scope_waits(enum scope scope)
 {
-    return scope_rules[RULE_WAITS][scope];
+    return scope == SCOPE_AWAITED;
 }
 
 /** @return whether it is told what other brokers and the disk say of its mail */
@@ -99,25 +76,26 @@ static inline bool scope_is_told(enum scope scope)
 /** @return whether a process is told of groups and services */
 static inline bool scope_is_shown_lines(enum scope scope)
 {
-    return scope_rules[RULE_SHOWN_LINES][scope];
+    return scope == SCOPE_RUN || scope == SCOPE_OPEN;
 }
 
 /** @return whether an answer may name the agent to the one that asks */
 static inline bool scope_sees(enum scope asker, enum scope agent)
 {
-    return asker != SCOPE_RUN || scope_of_run[RELATION_SEES][agent];
+    return asker != SCOPE_RUN || agent == SCOPE_RUN || agent == SCOPE_BROKER;
 }
 
 /** @return whether mail reaches the agent by its name */
 static inline bool scope_addresses(enum scope sender, enum scope agent)
 {
-    return sender != SCOPE_RUN || scope_of_run[RELATION_ADDRESSES][agent];
+    return sender != SCOPE_RUN || agent != SCOPE_PART;
 }
 
 /** @return whether mail leaves the run, so that its sender is not told what becomes of it */
 static inline bool scope_crosses(enum scope sender, enum scope agent)
 {
-    return sender == SCOPE_RUN && scope_of_run[RELATION_CROSSES][agent];
+    return sender == SCOPE_RUN &&
+           (agent == SCOPE_OPEN || agent == SCOPE_AWAITED || agent == SCOPE_BESIDE);
 }
 
 /** @return the account of the store on which mail goes */
