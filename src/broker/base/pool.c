@@ -69,8 +69,12 @@ static void *record_take(struct pool *s, uint32_t size_class)
     return record;
 }
 
-void pool_free(struct pool *s, struct mail *m)
+void pool_release(struct pool *s, struct mail *m)
 {
+    MU_ASSERT(m->uses > 0);
+    if (--m->uses > 0) {
+        return;
+    }
     uint32_t index = (uint32_t)((size_t)((unsigned char *)m - s->memory) / POOL_SLAB_BYTES);
     struct pool_slab *slab = &s->slabs[index];
     void *record = m;

@@ -208,8 +208,6 @@ static inline void pool_keep(struct mail *m)
     m->uses++;
 }
 
-void pool_free(struct pool *s, struct mail *m);
-
 /**
  * Goes through all mails that live.
  *
@@ -219,13 +217,7 @@ void pool_free(struct pool *s, struct mail *m);
 struct mail *pool_each(const struct pool *s, uint32_t *place);
 
 /** Ends one use; the last one frees the mail. */
-static inline void pool_release(struct pool *s, struct mail *m)
-{
-    MU_ASSERT(m->uses > 0);
-    if (--m->uses == 0) {
-        pool_free(s, m);
-    }
-}
+void pool_release(struct pool *s, struct mail *m);
 
 /** @return the text, for a member of a sample: idlc makes none const, and nothing is written there
  */
@@ -297,15 +289,8 @@ struct timers {
 /** Enters a mail for m->at_ns of this kind; equal times go by m->order. */
 void timers_add(struct timers *s, struct mail *m);
 
-void timers_take(struct timers *s, struct mail *m);
-
 /** Takes a mail out, if it is in. */
-static inline void timers_remove(struct timers *s, struct mail *m)
-{
-    if (m->place[s->kind] != MU_NONE) {
-        timers_take(s, m);
-    }
-}
+void timers_remove(struct timers *s, struct mail *m);
 
 /** @return the earliest mail, or NULL */
 static inline struct mail *timers_first(const struct timers *s)

@@ -45,11 +45,15 @@ static bool post_is_ready(struct broker *b, uint32_t post)
 {
     uint32_t agent = b->mailbox.posts[post].agent;
     const struct agent *a = &b->registry.agents[agent];
+    const struct box *box = mailbox_box(&b->mailbox, agent);
+    /* It has acknowledged a number that was handed out since the last verdict: its process knows
+     * its seat here, and which number comes next.  A reader that has had that number already takes
+     * whatever follows it. */
+    bool is_confirmed = box->acked > box->base && box->acked > a->seated_above;
     return a->process != MU_NONE && place_is_ready(b, &b->processes.at[a->process]) &&
-           a->bearer == BEARER_TOLD && names_is_confirmed(&b->registry, &b->mailbox, agent) &&
+           a->bearer == BEARER_TOLD && is_confirmed &&
            names_gate(&b->registry, &b->processes, agent) == GATE_OPEN && !scope_waits(a->scope) &&
-           mailbox_box(&b->mailbox, agent)->out == MU_NONE &&
-           mailbox_next_is(&b->mailbox, agent, b->mailbox.posts[post].mail);
+           box->out == MU_NONE && mailbox_next_is(&b->mailbox, agent, b->mailbox.posts[post].mail);
 }
 
 static int box_compare(const void *x, const void *y, const void *context)

@@ -3,6 +3,18 @@
 
 #include "broker/control/parts.h"
 
+/* Takes those outside out of it: they are not reached. */
+static void recipients_unveil(const struct broker *b, const struct mail *m, struct recipients *to)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < to->count; i++) {
+        if (!recipients_veils(&b->registry, m, to->agents[i])) {
+            to->agents[kept++] = to->agents[i];
+        }
+    }
+    to->count = kept;
+}
+
 static bool mail_book(struct broker *b, struct mail *m, struct recipients *to)
 {
     to->veiled = 0;

@@ -6,17 +6,6 @@
 
 #include <string.h>
 
-void recipients_unveil(const struct broker *b, const struct mail *m, struct recipients *to)
-{
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < to->count; i++) {
-        if (!recipients_veils(&b->registry, m, to->agents[i])) {
-            to->agents[kept++] = to->agents[i];
-        }
-    }
-    to->count = kept;
-}
-
 /* --- by name ---------------------------------------------------------------------------------- */
 
 void recipients_of_names(struct broker *b, const char *names, uint32_t sender,

@@ -310,18 +310,6 @@ static inline enum mailbox_gate names_gate(const struct registry *r, const struc
     return GATE_SHUT;
 }
 
-/**
- * @return whether it has acknowledged a number that was handed out since the last verdict: its
- * process knows its seat here, and which number comes next.  A reader that has had that number
- * already takes whatever follows it.
- */
-static inline bool names_is_confirmed(const struct registry *r, const struct mailbox *m,
-                                      uint32_t agent)
-{
-    const struct box *box = &m->boxes[agent];
-    return box->acked > box->base && box->acked > r->agents[agent].seated_above;
-}
-
 /** Its bearer was lost with a broker, or is on its way to another platform, and may come by itself:
  * for a while newcomers wait. */
 void names_hold(struct broker *b, uint32_t agent);
