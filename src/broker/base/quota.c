@@ -41,6 +41,7 @@ struct asked {
     const struct post_queue *own_waiting; /* MAILBOX_SHARE_QUEUES of them, or NULL */
     const struct post_queue *all_waiting; /* likewise */
     uint32_t queues; /* the mail may drop others from so many, beginning with the lowest */
+    bool lowest;     /* and from that first, however old the others are */
 };
 
 static uint32_t least(uint32_t a, uint32_t b)
@@ -59,6 +60,7 @@ static struct asked ask_begin(struct mailbox *m, uint32_t agent, const struct ma
         .floor = {.mails = least(floor_most.mails, limits.mails),
                   .bytes = least(floor_most.bytes, limits.bytes / FLOOR_BYTES_PART)},
         .all_waiting = &box->lists[POST_LOW],
+        .lowest = limits.policy == muster_BOX_DROP_LOWEST,
     };
     uint32_t pair = mailbox_share_find(&m->shares, agent, mail->payer);
     if (pair != MU_NONE) {
@@ -84,66 +86,54 @@ static struct quota_use waiting_sum(const struct post_queue *waiting, uint32_t q
     return sum;
 }
 
+static enum quota_answer ask_answer(const struct asked *ask)
+{
+    return quota_ask(&ask->own, &ask->all, &ask->want, &ask->most, &ask->floor);
+}
+
 /* Whether the mail would fit if all of these went: nothing is dropped in vain. */
-static bool drop_helps(const struct asked *ask, const struct post_queue *waiting, bool own)
+static bool drop_helps(const struct asked *ask, const struct post_queue *waiting)
 {
     struct quota_use gone = waiting_sum(waiting, ask->queues);
+    struct quota_use mine = waiting_sum(ask->own_waiting, ask->queues);
     struct asked then = *ask;
-    if (gone.mails == 0) {
-        return false;
-    }
     quota_subtract(&then.all, &gone);
-    if (own) {
-        quota_subtract(&then.own, &gone);
-    } else { /* among the others' mail may be the sender's own */
-        struct quota_use mine = waiting_sum(ask->own_waiting, ask->queues);
-        quota_subtract(&then.own, &mine);
-    }
-    return quota_ask(&then.own, &then.all, &then.want, &then.most, &then.floor) == QUOTA_FITS;
+    quota_subtract(&then.own, &mine); /* what goes is this alone, or this among others' */
+    return gone.mails > 0 && ask_answer(&then) == QUOTA_FITS;
 }
 
 /* @return the first of the lowest queue, or, of all queues, the one that was sent first */
-static uint32_t victim_of(const struct mailbox *m, const struct post_queue *waiting,
-                          uint32_t queues, bool lowest)
+static uint32_t victim_of(const struct mailbox *m, const struct asked *ask,
+                          const struct post_queue *waiting)
 {
     uint32_t victim = MU_NONE;
-    for (uint32_t i = 0; i < queues; i++) {
+    uint64_t first = UINT64_MAX;
+    for (uint32_t i = 0; i < ask->queues && (victim == MU_NONE || !ask->lowest); i++) {
         uint32_t head = mu_list_first(&waiting[i].posts);
-        if (head == MU_NONE) {
-            continue;
-        }
-        if (victim == MU_NONE || m->posts[head].mail->order < m->posts[victim].mail->order) {
+        uint64_t order = head != MU_NONE ? m->posts[head].mail->order : UINT64_MAX;
+        if (order < first) {
+            first = order;
             victim = head;
-        }
-        if (lowest) {
-            break;
         }
     }
     return victim;
-}
-
-/* Directives have a reserve, and no share. */
-static enum mailbox_room ask_urgent(const struct asked *ask)
-{
-    return ask->all.mails < ask->most.mails + MAILBOX_RESERVE ? MAILBOX_ROOM_FITS
-                                                              : MAILBOX_ROOM_FULL;
 }
 
 enum mailbox_room quota_box_ask(struct mailbox *m, uint32_t agent, const struct mail *mail,
                                 uint32_t *victim)
 {
     struct asked ask = ask_begin(m, agent, mail);
-    if (mail->letter.layer == 0) {
-        return ask_urgent(&ask);
+    if (mail->letter.layer == 0) { /* directives have a reserve, and no share */
+        bool fits = ask.all.mails < ask.most.mails + MAILBOX_RESERVE;
+        return fits ? MAILBOX_ROOM_FITS : MAILBOX_ROOM_FULL;
     }
-    enum quota_answer answer = quota_ask(&ask.own, &ask.all, &ask.want, &ask.most, &ask.floor);
+    enum quota_answer answer = ask_answer(&ask);
     if (answer == QUOTA_FITS) {
         return MAILBOX_ROOM_FITS;
     }
     const struct post_queue *from = answer == QUOTA_OVER ? ask.own_waiting : ask.all_waiting;
-    if (drop_helps(&ask, from, answer == QUOTA_OVER)) {
-        bool lowest = mailbox_limits(m, mailbox_box(m, agent)).policy == muster_BOX_DROP_LOWEST;
-        *victim = victim_of(m, from, ask.queues, lowest);
+    if (drop_helps(&ask, from)) {
+        *victim = victim_of(m, &ask, from);
         return MAILBOX_ROOM_DROP;
     }
     return answer == QUOTA_OVER ? MAILBOX_ROOM_OVER_SHARE : MAILBOX_ROOM_FULL;

@@ -16,16 +16,6 @@ static void use_shrink(struct quota_use *use, uint32_t part)
     use->posts -= use->posts / part;
 }
 
-static struct quota_use side_most(enum quota_side side, bool halved)
-{
-    struct quota_use most = {
-        .mails = MU_MAILS_MAX, .bytes = MU_MAIL_BYTES_MAX, .posts = MU_POSTS_MAX};
-    if (halved || side == QUOTA_INSIDE) {
-        use_shrink(&most, 2);
-    }
-    return most;
-}
-
 /* Books a mail on its sender's account, if that may be.
  * @param halved  both sides are in use, and have one half of the store each: the run never has more
  * @param urgent  a directive: it has no share, and a reserve that no other mail can take */
@@ -35,7 +25,11 @@ static enum quota_answer account_book(struct quota_accounts *a, enum quota_side 
 {
     static const struct quota_use nothing;
     struct quota_use *own = &a->senders[side][sender];
-    struct quota_use most = side_most(side, halved);
+    struct quota_use most = {
+        .mails = MU_MAILS_MAX, .bytes = MU_MAIL_BYTES_MAX, .posts = MU_POSTS_MAX};
+    if (halved || side == QUOTA_INSIDE) {
+        use_shrink(&most, 2);
+    }
     if (!urgent) {
         use_shrink(&most, RESERVE_PART);
     }
