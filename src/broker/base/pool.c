@@ -135,7 +135,7 @@ struct mail *pool_put(struct pool *s, const muster_Mail *letter)
                        .only = MU_NONE,
                        .uses = 1,
                        .bytes = (uint32_t)bytes,
-                       .size_class = size_class};
+                       .size_class = (uint8_t)size_class};
     return m;
 }
 
@@ -159,23 +159,26 @@ struct mail *pool_each(const struct pool *s, uint32_t *place)
 
 void pool_list_append(struct mail_list *list, struct mail *m)
 {
-    m->next = NULL;
-    if (list->last) {
-        list->last->next = m;
-    } else {
-        list->first = m;
-    }
+    m->prev[list->kind] = list->last;
+    m->next[list->kind] = NULL;
+    *(list->last ? &list->last->next[list->kind] : &list->first) = m;
     list->last = m;
     list->count++;
+}
+
+void pool_list_remove(struct mail_list *list, struct mail *m)
+{
+    struct mail *prev = m->prev[list->kind], *next = m->next[list->kind];
+    *(prev ? &prev->next[list->kind] : &list->first) = next;
+    *(next ? &next->prev[list->kind] : &list->last) = prev;
+    list->count--;
 }
 
 struct mail *pool_list_pop(struct mail_list *list)
 {
     struct mail *m = list->first;
     if (m) {
-        list->first = m->next;
-        list->last = m->next ? list->last : NULL;
-        list->count--;
+        pool_list_remove(list, m);
     }
     return m;
 }

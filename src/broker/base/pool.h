@@ -135,10 +135,13 @@ enum mail_durable_event {
     DURABLE_EVENTS
 };
 
+/* The lists that a mail may stand in at the same time: of what waits for the end of a step, or
+ * later of what is to be written to disk; and of all that wait in boxes. */
+enum mail_lists { MAIL_KEPT, MAIL_BOXED, MAIL_LISTS };
+
 struct mail {
-    muster_Mail letter;           /* its strings lie behind this record */
-    struct mail *next;            /* in a list of mails that wait for the end of a step, or later in
-                                     that of what is to be written to disk */
+    muster_Mail letter; /* its strings lie behind this record */
+    struct mail *prev[MAIL_LISTS], *next[MAIL_LISTS];
     struct mail *journal_same;    /* in a chain of durable mails whose names have one hash */
     uint64_t row;                 /* on disk; 0: it is not durable */
     uint64_t at_ns[TIMERS_KINDS]; /* of the run; of the broker's clock */
@@ -148,16 +151,15 @@ struct mail {
     uint32_t only;        /* its one receiver, by another broker's word; MU_NONE: as dst says */
     uint32_t kept_for;    /* the one that a step keeps it for; MU_NONE: for many, or unknown */
     uint32_t payer;       /* whose share it takes: the sender's, or the asker's */
-    struct mu_list posts; /* its places in boxes */
-    uint32_t unsettled;   /* receivers that have neither acknowledged it nor let it expire */
+    struct mu_list posts; /* its places in boxes: receivers that have neither acknowledged it nor
+                             let it expire */
     uint32_t veiled;      /* of them, outside a run that the sender is in */
     uint32_t uses;        /* freed at 0 */
     uint32_t bytes;
-    uint32_t size_class;
-    struct mail *older, *newer;     /* of those that wait in boxes; see arrivals */
-    uint64_t came_ns;               /* on the mail clock */
+    uint64_t came_ns;               /* into boxes, on the mail clock */
     struct quota_use booked;        /* on its sender's account */
     struct quota_use booked_veiled; /* for those outside, on its sender's account there */
+    uint8_t size_class;             /* of the pool */
     uint8_t side;                   /* enum share_side: the account on which it is booked */
     uint8_t answer;                 /* muster_Outcome: the last word, if its sender was told that */
     enum mail_told told : 8;
@@ -167,10 +169,11 @@ struct mail {
     bool stored_ends_it; /* that is then the last word */
 };
 
-/* Mails that wait for one thing, in order. */
+/* Mails that wait for one thing, in order; zeroed memory is an empty list of MAIL_KEPT. */
 struct mail_list {
     struct mail *first, *last;
     uint32_t count;
+    enum mail_lists kind;
 };
 
 struct pool_slab {
@@ -236,8 +239,10 @@ const char *pool_mail_standing(const struct mail *m);
 /** The same of a mail that comes back from the store.  @return false: there is no such word */
 bool pool_mail_go_on(struct mail *m, const char *word);
 
-/** Puts a mail, which stands in no list, last into one. */
+/** Puts a mail, which stands in no list of that kind, last into one. */
 void pool_list_append(struct mail_list *list, struct mail *m);
+
+void pool_list_remove(struct mail_list *list, struct mail *m);
 
 /** @return the first mail, which is taken out; NULL: there is none */
 struct mail *pool_list_pop(struct mail_list *list);
@@ -296,49 +301,6 @@ void timers_remove(struct timers *s, struct mail *m);
 static inline struct mail *timers_first(const struct timers *s)
 {
     return s->count ? s->heap[0] : NULL;
-}
-
-/* --- arrivals ------------------------------------------------------------------------------- */
-
-/* Mails that wait in boxes, in the order in which they came: the oldest is always at hand. */
-
-struct arrivals {
-    struct mail *oldest, *newest;
-};
-
-/** A mail waits from now on; mail_ns is the mail clock's time and never less than the last. */
-static inline void arrivals_add(struct arrivals *a, struct mail *m, uint64_t mail_ns)
-{
-    m->came_ns = mail_ns;
-    m->older = a->newest;
-    m->newer = NULL;
-    if (a->newest) {
-        a->newest->newer = m;
-    } else {
-        a->oldest = m;
-    }
-    a->newest = m;
-}
-
-/** It waits no more. */
-static inline void arrivals_remove(struct arrivals *a, struct mail *m)
-{
-    if (m->older) {
-        m->older->newer = m->newer;
-    } else {
-        a->oldest = m->newer;
-    }
-    if (m->newer) {
-        m->newer->older = m->older;
-    } else {
-        a->newest = m->older;
-    }
-}
-
-/** @return how long the oldest has waited; 0 when none waits */
-static inline uint64_t arrivals_oldest_ns(const struct arrivals *a, uint64_t mail_ns)
-{
-    return a->oldest && mail_ns > a->oldest->came_ns ? mail_ns - a->oldest->came_ns : 0;
 }
 
 #endif

@@ -41,6 +41,7 @@ struct broker *broker_open(const struct broker_options *options)
     mu_pool_init(&b->claims.pool, CLAIMS_MAX);
     pool_init(&b->pool);
     b->expiry.kind = TIMERS_EXPIRY;
+    b->arrivals.kind = MAIL_BOXED;
     mailbox_init(&b->mailbox);
     b->mailbox.limits = options->boxes;
     mu_pool_init(&b->receipts.pool, MU_MAILS_MAX);

@@ -18,7 +18,7 @@ static void mails_committed(struct broker *b)
     struct journal *j = &b->journal;
     for (struct mail *m; (m = pool_list_pop(&j->mails));) {
         (void)mail_durable_on(m, DURABLE_COMMITS);
-        if (m->unsettled > 0) {
+        if (m->posts.count > 0) {
             outcome_on_disk(b, m);
         }
         pool_release(&b->pool, m);
@@ -56,7 +56,7 @@ static void mails_failed(struct broker *b)
             continue;
         }
         (void)mail_durable_on(m, DURABLE_UNDOES);
-        if (m->unsettled > 0) {
+        if (m->posts.count > 0) {
             journal_remove(j, m);
             m->row = 0;
             m->letter.level == muster_LEVEL_RAM ? ram_leave(b, m) : outcome_undo(b, m);

@@ -45,7 +45,7 @@ struct broker {
     struct probes probes;
     struct pages pages;
     struct resolve resolve;
-    struct arrivals arrivals;
+    struct mail_list arrivals; /* mails that wait in boxes: the oldest is always at hand */
     struct trust trust;
     struct audit audit;
     struct journal journal;

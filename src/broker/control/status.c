@@ -7,10 +7,11 @@
 void broker_status(const struct broker *b, muster_BrokerStatus *status)
 {
     *status = b->counters;
+    status->waiting = b->mailbox.posts_pool.live;
     status->agents = b->registry.present;
     status->lockstep = b->steps.end;
     status->stored = b->pool.mails;
-    status->oldest_ns = arrivals_oldest_ns(&b->arrivals, clock_mail_ns(&b->clock));
+    status->oldest_ns = outcome_oldest_ns(b);
     status->broker = sample_text(b->name);
 }
 

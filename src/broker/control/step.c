@@ -18,7 +18,7 @@ static void counts_note(struct broker *b)
         (muster_LockstepEnd){.ended = b->steps.end.ended + 1,
                              .sent = c->sent,
                              .delivered = c->delivered,
-                             .waiting = c->waiting,
+                             .waiting = b->mailbox.posts_pool.live,
                              .expired = c->expired,
                              .refused = c->box_full + c->over_share + c->unknown_name + c->refused +
                                         c->dropped + c->no_store};

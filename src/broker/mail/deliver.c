@@ -60,8 +60,6 @@ static bool post_put(struct broker *b, struct mail *m, uint32_t agent, bool held
         ledger_refused(b, m, agent, room == MAILBOX_ROOM_OVER_SHARE ? QUOTA_OVER : QUOTA_FULL, 1);
         return false;
     }
-    b->counters.waiting++;
-    m->unsettled++;
     if (recipients_veils(&b->registry, m, agent)) {
         mailbox_veil(&b->mailbox, m);
     }
@@ -80,7 +78,8 @@ bool deliver_is_held(const struct broker *b, const struct mail *m)
 static void deliver_schedule(struct broker *b, struct mail *m, bool held, uint64_t left_ns)
 {
     uint64_t now_ns = clock_mail_ns(&b->clock);
-    arrivals_add(&b->arrivals, m, now_ns);
+    m->came_ns = now_ns;
+    pool_list_append(&b->arrivals, m);
     if (held) {
         m->at_ns[TIMERS_DUE] = (uint64_t)m->letter.due_ns;
         timers_add(&b->due, m);
@@ -101,11 +100,11 @@ void deliver_conclude(struct broker *b, struct mail *m, const struct recipients 
         outcome_end(b, m, muster_OUTCOME_UNKNOWN_NAME);
     } else if (!done->fits) {
         outcome_end(b, m, muster_OUTCOME_BOX_FULL);
-    } else if (to->veiled > 0 && (m->unsettled == 0 || is_ram)) {
+    } else if (to->veiled > 0 && (m->posts.count == 0 || is_ram)) {
         outcome_end(b, m, muster_OUTCOME_STORED);
     } else if (to->veiled > 0) {
         m->stored_ends_it = m->tell_stored = true;
-    } else if (m->unsettled == 0) {
+    } else if (m->posts.count == 0) {
         outcome_end(b, m, muster_OUTCOME_DELIVERED);
     } else if (done->stored && !is_ram) {
         m->tell_stored = true; /* when it is */
@@ -133,11 +132,11 @@ struct delivered deliver_put(struct broker *b, struct mail *m, struct recipients
             done.stored = done.stored || names_gate(&b->registry, &b->processes, agent) < needs;
         }
     }
-    if (m->unsettled < to->count || m->unsettled == 0 || to->veiled > 0) {
+    if (m->posts.count < to->count || m->posts.count == 0 || to->veiled > 0) {
         ledger_settle(b, m); /* it is in fewer boxes than were booked, or on both accounts */
     }
     pool_keep(m); /* what a desk answers may drop it from all boxes again */
-    if (m->unsettled == 0) {
+    if (m->posts.count == 0) {
         pool_release(&b->pool, m);
     } else {
         deliver_schedule(b, m, held, m->letter.ttl_ns);
@@ -145,7 +144,7 @@ struct delivered deliver_put(struct broker *b, struct mail *m, struct recipients
             journal_put(b, m);
         }
     }
-    done.boxes = m->unsettled;
+    done.boxes = m->posts.count;
     if (!done.desks) {
         deliver_conclude(b, m, to, &done);
     }
@@ -185,15 +184,11 @@ bool deliver_restore(struct broker *b, struct mail *m, const char *waiting, uint
         return false;
     }
     for (uint32_t i = 0; i < to.count; i++) {
-        if (mailbox_put(&b->mailbox, to.agents[i], m, held) == MU_OK) {
-            b->counters.waiting++;
-            m->unsettled++;
-        } else {
-            b->counters.box_full++;
-        }
+        bool fits = mailbox_put(&b->mailbox, to.agents[i], m, held) == MU_OK;
+        b->counters.box_full += !fits;
     }
     ledger_settle(b, m);
-    if (m->unsettled == 0) {
+    if (m->posts.count == 0) {
         pool_release(&b->pool, m);
         return false;
     }

@@ -110,10 +110,11 @@ static void ram_take_along(struct broker *b, const struct mail *durable)
 {
     struct agent *a = &b->registry.agents[durable->sender];
     struct mail *first = NULL;
-    for (struct mail *m = durable->older; m && m->order > a->durable_order; m = m->older) {
+    for (struct mail *m = durable->prev[MAIL_BOXED]; m && m->order > a->durable_order;
+         m = m->prev[MAIL_BOXED]) {
         first = is_in_ram(m, durable->sender) ? m : first;
     }
-    for (struct mail *m = first; m && m != durable; m = m->newer) {
+    for (struct mail *m = first; m && m != durable; m = m->next[MAIL_BOXED]) {
         if (is_in_ram(m, durable->sender)) {
             row_give(b, m);
         }
@@ -186,7 +187,7 @@ void journal_failed(struct broker *b, uint32_t sender, const muster_Mail *letter
 void journal_settled(struct broker *b, struct mail *m)
 {
     mail_mark(&b->journal, m);
-    if (m->unsettled == 0) {
+    if (m->posts.count == 0) {
         journal_remove(&b->journal, m);
     }
 }

@@ -133,8 +133,8 @@ uint32_t journal_room(const struct journal *j, const struct mailbox *m, uint32_t
  */
 void journal_failed(struct broker *b, uint32_t sender, const muster_Mail *letter);
 
-/** A receiver is through with a durable mail: m->unsettled says how many are not.  Call before the
- * last use of it ends. */
+/** A receiver is through with a durable mail: m->posts says which are not.  Call before the last
+ * use of it ends. */
 void journal_settled(struct broker *b, struct mail *m);
 
 /** A name is there, or its kind has changed. */

@@ -33,7 +33,7 @@ bool journal_wanted(struct broker *b, muster_Level *level)
         return false;
     }
     *level = muster_LEVEL_LOGGED;
-    for (const struct mail *m = j->mails.first; m; m = m->next) {
+    for (const struct mail *m = j->mails.first; m; m = m->next[MAIL_KEPT]) {
         if (!mail_is_written(m) && m->letter.level > *level) {
             *level = m->letter.level;
         }
@@ -87,9 +87,9 @@ static bool next_agent(struct broker *b, struct journal_entry *e)
 static void gone_extend(struct journal *j, struct journal_entry *e)
 {
     struct mail *m = j->at.mail;
-    while (m && mail_is_written(m) && m->unsettled == 0 && m->row == e->last_row + 1) {
+    while (m && mail_is_written(m) && m->posts.count == 0 && m->row == e->last_row + 1) {
         e->last_row = m->row;
-        m = m->next;
+        m = m->next[MAIL_KEPT];
     }
     j->at.mail = m;
 }
@@ -97,16 +97,16 @@ static void gone_extend(struct journal *j, struct journal_entry *e)
 static bool next_mail(struct broker *b, struct journal_entry *e)
 {
     struct journal *j = &b->journal;
-    while (j->at.mail && !mail_is_written(j->at.mail) && j->at.mail->unsettled == 0) {
-        j->at.mail = j->at.mail->next; /* came and went */
+    while (j->at.mail && !mail_is_written(j->at.mail) && j->at.mail->posts.count == 0) {
+        j->at.mail = j->at.mail->next[MAIL_KEPT]; /* came and went */
     }
     const struct mail *m = j->at.mail;
     if (!m) {
         return false;
     }
-    j->at.mail = m->next;
+    j->at.mail = m->next[MAIL_KEPT];
     e->row = e->last_row = m->row;
-    if (m->unsettled == 0) {
+    if (m->posts.count == 0) {
         e->kind = JOURNAL_GONE;
         gone_extend(j, e);
         return true;

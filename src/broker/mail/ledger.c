@@ -110,6 +110,6 @@ static void account_give_back(struct broker *b, const struct mail *m, enum quota
 
 void ledger_settle(struct broker *b, struct mail *m)
 {
-    account_give_back(b, m, (enum quota_side)m->side, m->unsettled - m->veiled, &m->booked);
+    account_give_back(b, m, (enum quota_side)m->side, m->posts.count - m->veiled, &m->booked);
     account_give_back(b, m, QUOTA_OUTSIDE, m->veiled, &m->booked_veiled);
 }

@@ -174,6 +174,9 @@ void outcome_stored(struct broker *b, struct mail *m);
 /** One receiver is through with a mail; the last one ends it. */
 void outcome_settle(struct broker *b, struct mail *m);
 
+/** @return how long the oldest mail has waited in a box; 0 when none waits */
+uint64_t outcome_oldest_ns(const struct broker *b);
+
 /** Tells senders that pressed what became of their mail, when it is time. */
 void outcome_tick(struct broker *b);
 

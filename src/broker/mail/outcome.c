@@ -24,6 +24,13 @@ void outcome_tell(struct broker *b, uint32_t sender, uint64_t first_seq, uint64_
     }
 }
 
+uint64_t outcome_oldest_ns(const struct broker *b)
+{
+    const struct mail *oldest = b->arrivals.first;
+    uint64_t mail_ns = clock_mail_ns(&b->clock);
+    return oldest && mail_ns > oldest->came_ns ? mail_ns - oldest->came_ns : 0;
+}
+
 void outcome_tick(struct broker *b)
 {
     uint32_t agent;
@@ -71,17 +78,14 @@ static void answer_settled(struct broker *b, struct mail *m)
 
 void outcome_settle(struct broker *b, struct mail *m)
 {
-    b->counters.waiting--;
-    MU_ASSERT(m->unsettled > 0);
-    m->unsettled--;
     ledger_settle(b, m);
     if (m->row > 0) {
         journal_settled(b, m);
     }
-    if (m->unsettled == 0) {
+    if (m->posts.count == 0) {
         timers_remove(&b->due, m);
         timers_remove(&b->expiry, m);
-        arrivals_remove(&b->arrivals, m);
+        pool_list_remove(&b->arrivals, m);
         answer_settled(b, m);
         pool_release(&b->pool, m);
     }

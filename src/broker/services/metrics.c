@@ -23,11 +23,6 @@ static const struct {
     [PART_FEDERATION] = {"liaison", "the other brokers"},
 };
 
-static uint64_t oldest_ns(const struct broker *b)
-{
-    return arrivals_oldest_ns(&b->arrivals, clock_mail_ns(&b->clock));
-}
-
 static uint64_t refused(const struct broker *b)
 {
     return b->counters.refused + b->unspoken;
@@ -59,7 +54,7 @@ static const struct metric counters[] = {
 
     {PART_MAIL, "sent", "mails, one a receiver", AT(counters.sent)},
     {PART_MAIL, "delivered", "of them, acknowledged", AT(counters.delivered)},
-    {PART_MAIL, "waiting", "of them, in a box now", AT(counters.waiting)},
+    {PART_MAIL, "waiting", "of them, in a box now", AT(mailbox.posts_pool.live)},
     {PART_MAIL, "expired", "of them, older than they might become", AT(counters.expired)},
     {PART_MAIL, "dropped", "of them, taken out of a full box for others", AT(counters.dropped)},
     {PART_MAIL, "box-full", "of them, refused for want of room", AT(counters.box_full)},
@@ -87,7 +82,7 @@ static const struct metric counters[] = {
      AT(counters.malformed)},
     {PART_MAIL, "stored", "mails kept now, each once", AT(pool.mails)},
     {PART_MAIL, "oldest-ns", "age of the oldest mail that waits, in nanoseconds", .drifts = true,
-     .read = oldest_ns},
+     .read = outcome_oldest_ns},
 
     {PART_DELIVERY, "deliveries", "samples written to processes", AT(dispatch.count.deliveries)},
     {PART_DELIVERY, "circulars", "of them, those written once for many processes",

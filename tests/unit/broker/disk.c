@@ -100,7 +100,7 @@ static void test_everything_of_a_mail_comes_back(void)
     CU_ASSERT_EQUAL(got->due_ns, 0);
     CU_ASSERT_EQUAL(got->ttl_ns, UINT64_MAX - 1);
     CU_ASSERT_TRUE(got->again);
-    CU_ASSERT_EQUAL(m->unsettled, 2);
+    CU_ASSERT_EQUAL(m->posts.count, 2);
     CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent ");
     disk_close(disk);
 }
@@ -309,7 +309,7 @@ static void bundled_check(void)
         uint32_t waiting = bundled_waiting(seq);
         CU_ASSERT_EQUAL_FATAL(m != NULL, waiting > 0);
         if (m) {
-            CU_ASSERT_EQUAL(m->unsettled, waiting);
+            CU_ASSERT_EQUAL(m->posts.count, waiting);
             CU_ASSERT_STRING_EQUAL(m->letter.content, bundled_content(seq));
         }
     }

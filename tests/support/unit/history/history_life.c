@@ -122,14 +122,14 @@ static void check_boxes(struct broker *b)
 /* The states of mails, of those that wait and of those that the next commit writes. */
 static void check_mails(const struct broker *b)
 {
-    for (const struct mail *m = b->arrivals.oldest; m; m = m->newer) {
-        HOLD(m->unsettled > 0);
+    for (const struct mail *m = b->arrivals.first; m; m = m->next[MAIL_BOXED]) {
+        HOLD(m->posts.count > 0);
         HOLD((m->row == 0) == (m->durable == DURABLE_NOT));
         HOLD(!m->stored_ends_it || m->row > 0);
     }
-    for (const struct mail *m = b->journal.mails.first; m; m = m->next) {
+    for (const struct mail *m = b->journal.mails.first; m; m = m->next[MAIL_KEPT]) {
         HOLD(m->durable == DURABLE_MARKED || m->durable == DURABLE_MARKED_AGAIN);
-        HOLD(m->unsettled > 0 || m->told == TOLD_LAST || m->fate == FATE_PASSED_ON);
+        HOLD(m->posts.count > 0 || m->told == TOLD_LAST || m->fate == FATE_PASSED_ON);
     }
 }
 
@@ -147,13 +147,13 @@ void life_check(void)
 void life_check_empty(void)
 {
     struct broker *b = history.life.b;
-    HOLD(b->counters.waiting == 0);
+    HOLD(life_status().waiting == 0);
     HOLD(b->pool.mails == 0);
     HOLD(b->mailbox.posts_pool.live == 0);
     HOLD(b->mailbox.shares.pool.live == 0);
     HOLD(b->receipts.pool.live == 0);
     HOLD(b->due.count == 0 && b->expiry.count == 0);
-    HOLD(b->arrivals.oldest == NULL);
+    HOLD(b->arrivals.first == NULL);
     HOLD(b->claims.pool.live == 0);
     HOLD(b->multicast.count == 0);
     HOLD(b->mailbox.watched.count == 0);
