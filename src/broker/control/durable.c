@@ -91,7 +91,7 @@ void durable_committed(struct broker *b, bool ok, uint64_t now_ns)
     if (ok) {
         j->commits++;
         for (uint32_t i = 0; i < b->registry.count && failed_before; i++) {
-            processes_wake_agent(&b->registry, &b->processes, i); /* more may be handed out */
+            processes_wake_agent(b, i); /* more may be handed out */
         }
         mails_committed(b);
         marks_clear(b);

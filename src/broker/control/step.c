@@ -72,8 +72,7 @@ static void place_enter(struct broker *b, uint32_t place)
     steps_role_on(b, place, ROLE_JOINS);
     PROCESSES_EACH_AGENT (b, agent, place) {
         mailbox_unwatch(&b->mailbox, agent);
-        processes_wake_agent(&b->registry, &b->processes,
-                             agent); /* its mail may have waited for this */
+        processes_wake_agent(b, agent); /* its mail may have waited for this */
     }
 }
 
@@ -90,7 +89,7 @@ static void place_leave(struct broker *b, uint32_t place)
     at->overruled = false;
     PROCESSES_EACH_AGENT (b, agent, place) {
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
-        processes_wake_agent(&b->registry, &b->processes, agent);
+        processes_wake_agent(b, agent);
         if (clock_by_steps(&b->clock)) { /* members that stay are not shown its services any more */
             notify_presence(b, agent);
         }
@@ -195,7 +194,7 @@ static void lockstep_hold(struct broker *b, bool held)
     for (uint32_t agent = REGISTRY_OWN; agent < b->registry.count; agent++) {
         steps_rescope(b, agent);
         if (ends && !scope_is_inside(b->registry.agents[agent].scope)) {
-            processes_wake_agent(&b->registry, &b->processes, agent);
+            processes_wake_agent(b, agent);
         }
     }
 }

@@ -48,7 +48,7 @@ static bool parcels_fill(struct broker *b, struct dispatch_part *part, struct di
         return true;
     }
     struct box *box = mailbox_box(&b->mailbox, agent);
-    enum mailbox_gate gate = names_gate(&b->registry, &b->processes, agent);
+    enum mailbox_gate gate = names_gate(b, agent);
     bool awake = is_awake(b);
     mailbox_hand_out(&b->mailbox, agent, awake || gate < GATE_URGENT ? gate : GATE_URGENT,
                      journal_room(&b->journal, &b->mailbox, agent));
@@ -218,7 +218,7 @@ static void parts_take(struct broker *b, uint32_t place)
     struct dispatch *c = &b->dispatch;
     c->parts_count = 0;
     while (c->parts_count < DISPATCH_AGENTS && processes_agent_waits(&b->processes, place)) {
-        uint32_t agent = processes_pop_agent(&b->registry, &b->processes, place);
+        uint32_t agent = processes_pop_agent(b, place);
         c->parts[c->parts_count++] = (struct dispatch_part){.agent = agent};
     }
     mu_sort(c->parts, c->parts_count, sizeof c->parts[0], registry_compare, &b->registry);

@@ -19,7 +19,7 @@ static bool box_is_urgent(struct broker *b, uint32_t agent)
     bool may_go = !mail_is_written(b->mailbox.posts[first].mail) ||
                   journal_room(&b->journal, &b->mailbox, agent) > 0;
     return may_go && box->lists[POST_FLIGHT].posts.count < MU_WINDOW_MAX + MAILBOX_RESERVE &&
-           names_gate(&b->registry, &b->processes, agent) != GATE_SHUT;
+           names_gate(b, agent) != GATE_SHUT;
 }
 
 /* What cannot wait: an answer to a registration, a directive, what goes out once more. */
@@ -33,7 +33,7 @@ static bool place_is_urgent(struct broker *b, uint32_t place)
         if (b->registry.agents[agent].bearer == BEARER_OWED || box_is_urgent(b, agent)) {
             return true; /* it stays stirred until it is served */
         }
-        processes_calm_agent(&b->registry, &b->processes, agent);
+        processes_calm_agent(b, agent);
     }
     return false;
 }
@@ -99,7 +99,7 @@ static void parts_return(struct broker *b, bool taken)
     struct dispatch *c = &b->dispatch;
     for (uint32_t i = 0; i < c->parts_count; i++) {
         if (!taken || c->parts[i].passed_by) {
-            processes_wake_agent(&b->registry, &b->processes, c->parts[i].agent);
+            processes_wake_agent(b, c->parts[i].agent);
         }
     }
     c->parts_count = 0;

@@ -20,7 +20,7 @@ void outcome_tell(struct broker *b, uint32_t sender, uint64_t first_seq, uint64_
     }
     receipts_add(&b->receipts, sender, first_seq, last_seq, result);
     if (a->process != MU_NONE && !news_can_wait(b, sender, result)) {
-        processes_wake_agent(&b->registry, &b->processes, sender);
+        processes_wake_agent(b, sender);
     }
 }
 
@@ -35,7 +35,7 @@ void outcome_tick(struct broker *b)
 {
     uint32_t agent;
     while ((agent = limiter_next(&b->limiter, b->clock.now_ns)) != MU_NONE) {
-        processes_wake_agent(&b->registry, &b->processes, agent);
+        processes_wake_agent(b, agent);
     }
 }
 
@@ -124,7 +124,7 @@ void outcome_admit_due(struct broker *b, uint64_t run_ns)
         timers_remove(&b->due, m);
         MU_LIST_EACH (post, &m->posts, MU_LINKS(b->mailbox.posts, links[LINKS_MAIL])) {
             mailbox_admit(&b->mailbox, post);
-            processes_wake_agent(&b->registry, &b->processes, b->mailbox.posts[post].agent);
+            processes_wake_agent(b, b->mailbox.posts[post].agent);
         }
     }
 }
@@ -141,7 +141,7 @@ void outcome_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
     if (!box->begun || number <= box->acked) {
         return;
     }
-    bool beyond = names_is_beyond(&b->registry, &b->processes, agent);
+    bool beyond = names_is_beyond(b, agent);
     while (box->acked < number) {
         struct mail *m = mailbox_pop(&b->mailbox, agent);
         if (mail_is_written(m)) {
@@ -160,7 +160,7 @@ void outcome_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
     }
     if (box->use.mails > flying || box->out != MU_NONE) { /* more may go now */
-        processes_wake_agent(&b->registry, &b->processes, agent);
+        processes_wake_agent(b, agent);
     }
 }
 

@@ -88,8 +88,7 @@ static bool kind_is_addressed(enum mu_address_kind kind, muster_Kind of)
  * the wall clock. */
 static bool is_too_far(const struct broker *b, uint32_t agent, uint32_t sender)
 {
-    return names_is_beyond(&b->registry, &b->processes, agent) &&
-           scope_is_inside(b->registry.agents[sender].scope);
+    return names_is_beyond(b, agent) && view_inside(b, sender);
 }
 
 void recipients_of_letter(struct broker *b, const muster_Mail *letter, uint32_t sender,
@@ -160,8 +159,7 @@ static uint32_t agent_named(const struct broker *b, const struct mail *question)
 static uint32_t desk_of(const struct broker *b, const struct mail *m)
 {
     uint32_t agent = agent_named(b, m);
-    bool is_elsewhere = agent != MU_NONE && agent != m->sender &&
-                        names_is_beyond(&b->registry, &b->processes, agent) &&
+    bool is_elsewhere = agent != MU_NONE && agent != m->sender && names_is_beyond(b, agent) &&
                         !view_inside(b, m->sender);
     return is_elsewhere ? agent : REGISTRY_BROKER;
 }

@@ -158,7 +158,7 @@ void lifecycle_tell_again(struct broker *b, uint32_t place)
     PROCESSES_EACH_AGENT (b, agent, place) {
         names_owe_verdict(b, agent);
         mailbox_repeat(&b->mailbox, agent);
-        processes_wake_agent(&b->registry, &b->processes, agent);
+        processes_wake_agent(b, agent);
     }
     processes_wake(&b->processes, place);
 }
@@ -167,7 +167,7 @@ void lifecycle_tell_again(struct broker *b, uint32_t place)
 void lifecycle_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
                     const struct presence *is)
 {
-    processes_add_agent(&b->registry, &b->processes, place, slot, agent);
+    processes_add_agent(b, place, slot, agent);
     processes_accept(&b->processes, place, b->registry.agents[agent].name);
     box_follow(b, agent, is);
     registry_seat(&b->registry, agent, place, b->processes.at[place].name, is,
@@ -178,7 +178,7 @@ void lifecycle_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t s
     mailbox_repeat(&b->mailbox, agent);
     names_changed(b);
     notify_presence(b, agent);
-    processes_wake_agent(&b->registry, &b->processes, agent);
+    processes_wake_agent(b, agent);
     claims_review(b, agent);
     snapshots_review(b, agent);
 }
@@ -187,7 +187,7 @@ void lifecycle_move(struct broker *b, uint32_t agent, uint32_t place, uint32_t s
                     const struct presence *is)
 {
     uint32_t from = b->registry.agents[agent].process;
-    processes_remove_agent(&b->registry, &b->processes, agent);
+    processes_remove_agent(b, agent);
     mailbox_unwatch(&b->mailbox, agent);
     b->registry.agents[agent].left = b->processes.at[from].seat;
     b->registry.agents[agent].left_wall_ns = b->registry.agents[agent].is.since_wall_ns;
@@ -200,7 +200,7 @@ void lifecycle_depart(struct broker *b, uint32_t agent)
 {
     struct agent *a = &b->registry.agents[agent];
     uint32_t place = a->process;
-    processes_remove_agent(&b->registry, &b->processes, agent);
+    processes_remove_agent(b, agent);
     registry_unseat(&b->registry, agent, clock_wall_ns(&b->clock));
     steps_rescope(b, agent);
     a->passed = b->clock.mode == CLOCK_COMMITS;
@@ -241,7 +241,7 @@ void lifecycle_set_state(struct broker *b, uint32_t agent, muster_State state)
         a->since_wall_ns = clock_wall_ns(&b->clock);
         registry_touch(&b->registry, agent);
         names_changed(b);
-        processes_wake_agent(&b->registry, &b->processes, agent);
+        processes_wake_agent(b, agent);
     }
 }
 
@@ -265,9 +265,9 @@ void lifecycle_reregister(struct broker *b, uint32_t agent, uint32_t slot, struc
     }
     if (a->resident.slot != slot) {
         uint32_t place = a->process;
-        processes_remove_agent(&b->registry, &b->processes, agent);
-        processes_add_agent(&b->registry, &b->processes, place, slot, agent);
-        processes_wake_agent(&b->registry, &b->processes, agent);
+        processes_remove_agent(b, agent);
+        processes_add_agent(b, place, slot, agent);
+        processes_wake_agent(b, agent);
     }
     box_follow(b, agent, is);
     step_version_keep(b, agent);
@@ -276,7 +276,7 @@ void lifecycle_reregister(struct broker *b, uint32_t agent, uint32_t slot, struc
     if (changed) {
         journal_agent(b, agent);
         names_changed(b);
-        processes_wake_agent(&b->registry, &b->processes, agent);
+        processes_wake_agent(b, agent);
     }
     claims_review(b, agent);
     snapshots_review(b, agent);
@@ -285,9 +285,8 @@ void lifecycle_reregister(struct broker *b, uint32_t agent, uint32_t slot, struc
 void lifecycle_settle(struct broker *b, uint32_t place)
 {
     uint32_t next = MU_NONE;
-    for (uint32_t agent = processes_first_agent(&b->processes, place); agent != MU_NONE;
-         agent = next) {
-        next = processes_next_agent(&b->registry, &b->processes, agent);
+    for (uint32_t agent = processes_first_agent(b, place); agent != MU_NONE; agent = next) {
+        next = processes_next_agent(b, agent);
         if (b->registry.agents[agent].report == REPORT_GONE) {
             lifecycle_depart(b, agent);
         } else {

@@ -193,7 +193,7 @@ static void agents_leave(struct broker *b, uint32_t place, uint32_t part,
     uint32_t next = MU_NONE;
     const struct mu_list *agents = &b->processes.at[place].parts[part];
     for (uint32_t agent = mu_list_first(agents); agent != MU_NONE; agent = next) {
-        next = processes_next_agent_of(&b->registry, agent);
+        next = processes_next_agent_of(b, agent);
         const struct agent *a = &b->registry.agents[agent];
         if (!now || slot_is_others(now, a->resident.slot, a->name)) {
             presence_leave(b, agent);

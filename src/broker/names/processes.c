@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/names/names.h"
+#include "broker/control/parts.h"
 
 #include "core/text.h"
 
@@ -186,47 +186,46 @@ uint32_t processes_next(struct processes *p)
 
 /* --- the agents of a process ------------------------------------------------------------------ */
 
-static struct mu_links part_links(const struct registry *r)
+static struct mu_links part_links(const struct broker *b)
 {
-    return MU_LINKS(r->agents, resident.part);
+    return MU_LINKS(b->registry.agents, resident.part);
 }
 
-static struct mu_links queue_links(const struct registry *r, enum resident_queue queue)
+static struct mu_links queue_links(const struct broker *b, enum resident_queue queue)
 {
-    return MU_LINKS(r->agents, resident.links[queue]);
+    return MU_LINKS(b->registry.agents, resident.links[queue]);
 }
 
-void processes_add_agent(struct registry *r, struct processes *p, uint32_t place, uint32_t slot,
-                         uint32_t agent)
+void processes_add_agent(struct broker *b, uint32_t place, uint32_t slot, uint32_t agent)
 {
-    struct process *at = &p->at[place];
+    struct process *at = &b->processes.at[place];
     uint32_t part = slot / MU_PART_AGENTS;
     MU_ASSERT(part < PROCESSES_PARTS);
-    r->agents[agent].resident = (struct resident){.slot = slot};
-    (void)mu_list_prepend(&at->parts[part], part_links(r), agent);
+    b->registry.agents[agent].resident = (struct resident){.slot = slot};
+    (void)mu_list_prepend(&at->parts[part], part_links(b), agent);
     at->parts_top = part < at->parts_top ? at->parts_top : part + 1;
     at->agents_count++;
 }
 
-static void queue_remove(struct registry *r, struct process *at, enum resident_queue queue,
-                         uint32_t agent)
+static void queue_leave(struct broker *b, enum resident_queue queue, uint32_t agent)
 {
-    (void)mu_list_remove(&at->queues[queue], queue_links(r, queue), agent);
+    struct process *at = &b->processes.at[b->registry.agents[agent].process];
+    (void)mu_list_remove(&at->queues[queue], queue_links(b, queue), agent);
 }
 
-void processes_remove_agent(struct registry *r, struct processes *p, uint32_t agent)
+void processes_remove_agent(struct broker *b, uint32_t agent)
 {
-    const struct agent *a = &r->agents[agent];
-    struct process *at = &p->at[a->process];
-    queue_remove(r, at, RESIDENT_READY, agent);
-    queue_remove(r, at, RESIDENT_STIRRED, agent);
-    (void)mu_list_remove(&at->parts[a->resident.slot / MU_PART_AGENTS], part_links(r), agent);
+    const struct agent *a = &b->registry.agents[agent];
+    struct process *at = &b->processes.at[a->process];
+    queue_leave(b, RESIDENT_READY, agent);
+    queue_leave(b, RESIDENT_STIRRED, agent);
+    (void)mu_list_remove(&at->parts[a->resident.slot / MU_PART_AGENTS], part_links(b), agent);
     at->agents_count--;
 }
 
-uint32_t processes_next_agent_of(const struct registry *r, uint32_t agent)
+uint32_t processes_next_agent_of(const struct broker *b, uint32_t agent)
 {
-    return mu_list_next(part_links(r), agent);
+    return mu_list_next(part_links(b), agent);
 }
 
 /* The first agent of the parts from this one on. */
@@ -238,40 +237,39 @@ static uint32_t first_from(const struct process *at, uint32_t part)
     return part < at->parts_top ? mu_list_first(&at->parts[part]) : MU_NONE;
 }
 
-uint32_t processes_first_agent(const struct processes *p, uint32_t place)
+uint32_t processes_first_agent(const struct broker *b, uint32_t place)
 {
-    return first_from(&p->at[place], 0);
+    return first_from(&b->processes.at[place], 0);
 }
 
-uint32_t processes_next_agent(const struct registry *r, const struct processes *p, uint32_t agent)
+uint32_t processes_next_agent(const struct broker *b, uint32_t agent)
 {
-    const struct agent *a = &r->agents[agent];
-    uint32_t next = processes_next_agent_of(r, agent), part = a->resident.slot / MU_PART_AGENTS;
-    return next != MU_NONE ? next : first_from(&p->at[a->process], part + 1);
+    const struct agent *a = &b->registry.agents[agent];
+    uint32_t next = processes_next_agent_of(b, agent), part = a->resident.slot / MU_PART_AGENTS;
+    return next != MU_NONE ? next : first_from(&b->processes.at[a->process], part + 1);
 }
 
-void processes_wake_agent(struct registry *r, struct processes *p, uint32_t agent)
+void processes_wake_agent(struct broker *b, uint32_t agent)
 {
-    uint32_t place = r->agents[agent].process;
+    uint32_t place = b->registry.agents[agent].process;
     if (place == MU_NONE) {
         return;
     }
     for (int queue = 0; queue < RESIDENT_QUEUES; queue++) {
-        (void)mu_list_append(&p->at[place].queues[queue], queue_links(r, queue), agent);
+        (void)mu_list_append(&b->processes.at[place].queues[queue], queue_links(b, queue), agent);
     }
-    processes_wake(p, place);
+    processes_wake(&b->processes, place);
 }
 
-uint32_t processes_pop_agent(struct registry *r, struct processes *p, uint32_t place)
+uint32_t processes_pop_agent(struct broker *b, uint32_t place)
 {
-    struct process *at = &p->at[place];
-    uint32_t agent = mu_list_first(&at->queues[RESIDENT_READY]);
-    queue_remove(r, at, RESIDENT_READY, agent);
-    queue_remove(r, at, RESIDENT_STIRRED, agent);
+    uint32_t agent = mu_list_first(&b->processes.at[place].queues[RESIDENT_READY]);
+    queue_leave(b, RESIDENT_READY, agent);
+    queue_leave(b, RESIDENT_STIRRED, agent);
     return agent;
 }
 
-void processes_calm_agent(struct registry *r, struct processes *p, uint32_t agent)
+void processes_calm_agent(struct broker *b, uint32_t agent)
 {
-    queue_remove(r, &p->at[r->agents[agent].process], RESIDENT_STIRRED, agent);
+    queue_leave(b, RESIDENT_STIRRED, agent);
 }

@@ -8,8 +8,7 @@
 
 #include "broker/base/base.h"
 
-struct agent;
-struct registry;
+struct broker;
 
 /* --- processes.c ----------------------------------------------------------------------------- */
 
@@ -173,26 +172,25 @@ static inline bool processes_is_silent(const struct process *at)
 /* Which agents live in a place, part by part, and which of them may have something to be told. */
 
 /** An agent, which lives nowhere, moves into a slot of a place. */
-void processes_add_agent(struct registry *r, struct processes *p, uint32_t place, uint32_t slot,
-                         uint32_t agent);
+void processes_add_agent(struct broker *b, uint32_t place, uint32_t slot, uint32_t agent);
 
 /** An agent leaves its place. */
-void processes_remove_agent(struct registry *r, struct processes *p, uint32_t agent);
+void processes_remove_agent(struct broker *b, uint32_t agent);
 
 /** @return the first agent of a place, or MU_NONE */
-uint32_t processes_first_agent(const struct processes *p, uint32_t place);
+uint32_t processes_first_agent(const struct broker *b, uint32_t place);
 
 /** @return the next agent of the same place, or of the same part, or MU_NONE */
-uint32_t processes_next_agent(const struct registry *r, const struct processes *p, uint32_t agent);
-uint32_t processes_next_agent_of(const struct registry *r, uint32_t agent);
+uint32_t processes_next_agent(const struct broker *b, uint32_t agent);
+uint32_t processes_next_agent_of(const struct broker *b, uint32_t agent);
 
 /** Goes through the agents of a place; none may leave it meanwhile. */
-#define PROCESSES_EACH_AGENT(b, agent, place)                                                \
-    for (uint32_t agent = processes_first_agent(&(b)->processes, place); (agent) != MU_NONE; \
-         (agent) = processes_next_agent(&(b)->registry, &(b)->processes, agent))
+#define PROCESSES_EACH_AGENT(b, agent, place)                                  \
+    for (uint32_t agent = processes_first_agent(b, place); (agent) != MU_NONE; \
+         (agent) = processes_next_agent(b, agent))
 
 /** The agent may have something to be told, and its place with it; without a place, nothing. */
-void processes_wake_agent(struct registry *r, struct processes *p, uint32_t agent);
+void processes_wake_agent(struct broker *b, uint32_t agent);
 
 /**
  * @return an agent of the place that was woken since it was last served or calmed, or
@@ -204,7 +202,7 @@ static inline uint32_t processes_stirred_agent(const struct processes *p, uint32
 }
 
 /** What the agent has to be told can wait, until it is woken again. */
-void processes_calm_agent(struct registry *r, struct processes *p, uint32_t agent);
+void processes_calm_agent(struct broker *b, uint32_t agent);
 
 /** @return whether an agent waits in a place's queue */
 static inline bool processes_agent_waits(const struct processes *p, uint32_t place)
@@ -213,6 +211,6 @@ static inline bool processes_agent_waits(const struct processes *p, uint32_t pla
 }
 
 /** Takes out the agent that waits longest; there must be one. */
-uint32_t processes_pop_agent(struct registry *r, struct processes *p, uint32_t place);
+uint32_t processes_pop_agent(struct broker *b, uint32_t place);
 
 #endif
