@@ -7,37 +7,31 @@
 
 /* --- words ------------------------------------------------------------------------------------ */
 
-/* One word too many is not heard: its asker waits for as long as it wants to.
- * @return whether it will be heard */
-static bool word_say(struct broker *b, const struct probes_word *word)
-{
-    struct probes *g = &b->probes;
-    if (g->words_count == PROBES_WORDS) {
-        g->lost++;
-        return false;
-    }
-    g->words[g->words_count++] = *word;
-    processes_wake(&b->processes, word->place);
-    return true;
-}
-
 static void glance_free(struct probes *g, struct probe *probe)
 {
     probe->used = false;
     g->count--;
 }
 
-/* A probe whose word is lost would be kept in vain. */
-static void word_of(struct broker *b, struct probe *probe, uint32_t place, muster_GlanceWord word)
+/* One word too many is not heard: its asker waits for as long as it wants to, and the probe, if it
+ * is kept, would be in vain. */
+static void word_say(struct broker *b, struct probe *of, uint32_t place, muster_GlanceWord word)
 {
-    bool said = word_say(b, &(struct probes_word){.place = place,
-                                                  .word = word,
-                                                  .probe = (uint32_t)(probe - b->probes.at),
-                                                  .asker = probe->asker,
-                                                  .agent = probe->agent,
-                                                  .number = probe->number});
-    if (!said) {
-        glance_free(&b->probes, probe);
+    struct probes *g = &b->probes;
+    if (g->words_count < PROBES_WORDS) {
+        uint32_t kept = of->used ? (uint32_t)(of - g->at) : MU_NONE;
+        g->words[g->words_count++] = (struct probes_word){.place = place,
+                                                          .word = word,
+                                                          .probe = kept,
+                                                          .asker = of->asker,
+                                                          .agent = of->agent,
+                                                          .number = of->number};
+        processes_wake(&b->processes, place);
+        return;
+    }
+    g->lost++;
+    if (of->used) {
+        glance_free(g, of);
     }
 }
 
@@ -100,26 +94,22 @@ static void ask_take(struct broker *b, uint32_t from, uint32_t asker, const must
     uint32_t agent = registry_find(&b->registry, asked->agent);
     uint32_t to = agent != MU_NONE ? place_of(b, agent) : MU_NONE;
     struct probe *probe = to != MU_NONE ? glance_take(g, from) : NULL;
+    struct probe begun = {.asker = asker,
+                          .agent = agent != MU_NONE ? agent : asker,
+                          .number = asked->number,
+                          .from = from,
+                          .to = to};
     if (!probe || !guard_glances(b, asker, agent, asked->text)) {
         g->declined++;
-        (void)word_say(b, &(struct probes_word){.place = from,
-                                                .word = muster_GLANCE_DECLINED,
-                                                .probe = MU_NONE,
-                                                .asker = asker,
-                                                .agent = agent != MU_NONE ? agent : asker,
-                                                .number = asked->number});
+        word_say(b, &begun, from, muster_GLANCE_DECLINED);
         return;
     }
-    *probe = (struct probe){.used = true,
-                            .asker = asker,
-                            .agent = agent,
-                            .number = asked->number,
-                            .from = from,
-                            .to = to};
+    *probe = begun;
+    probe->used = true;
     memcpy(g->texts[probe - g->at], asked->text, strlen(asked->text) + 1);
     g->count++;
     g->asked++;
-    word_of(b, probe, to, muster_GLANCE_ASK);
+    word_say(b, probe, to, muster_GLANCE_ASK);
 }
 
 /* --- answers ---------------------------------------------------------------------------------- */
@@ -128,7 +118,7 @@ static void glance_answer(struct broker *b, struct probe *probe, muster_GlanceWo
 {
     b->probes.declined += word == muster_GLANCE_DECLINED;
     probe->to = MU_NONE;
-    word_of(b, probe, probe->from, word);
+    word_say(b, probe, probe->from, word);
 }
 
 static void answer_take(struct broker *b, uint32_t place, uint32_t asker,
