@@ -183,7 +183,7 @@ static void act_take(struct broker *b, uint32_t place, const muster_Act *act,
     } else if (act->replays) {
         effect = STEPS_REPLAY;
     }
-    if (effect == STEPS_INSIDE && !scope_is_inside(b->registry.agents[agent].scope)) {
+    if (effect == STEPS_INSIDE && !view_inside(b, agent)) {
         effect = STEPS_NOW; /* it speaks in its turn, but from outside */
     }
     if (act->mails._length > 0) {

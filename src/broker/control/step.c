@@ -193,7 +193,7 @@ static void lockstep_hold(struct broker *b, bool held)
     b->steps.held = held;
     for (uint32_t agent = REGISTRY_OWN; agent < b->registry.count; agent++) {
         steps_rescope(b, agent);
-        if (ends && !scope_is_inside(b->registry.agents[agent].scope)) {
+        if (ends && !view_inside(b, agent)) {
             processes_wake_agent(b, agent);
         }
     }

@@ -8,7 +8,7 @@ void multicast_note(struct broker *b, struct mail *m)
 {
     struct multicast *c = &b->multicast;
     bool may = m->letter.level == muster_LEVEL_RAM && b->dispatch.interval_ns == 0 &&
-               !scope_is_inside(b->registry.agents[m->sender].scope);
+               !view_inside(b, m->sender);
     if (may && b->processes.hearers >= MULTICAST_PLACES_MIN && c->count < MULTICAST_WAITING) {
         pool_keep(m);
         c->waiting[c->count++] = m;

@@ -31,7 +31,7 @@ static char *text_of(char *text)
 
 void answer_post(struct broker *b, uint32_t own, uint32_t receiver, muster_Mail *letter)
 {
-    bool inside = scope_is_inside(b->registry.agents[receiver].scope);
+    bool inside = view_inside(b, receiver);
     letter->src = b->registry.agents[own].name;
     letter->dst = b->registry.agents[receiver].name;
     letter->layer = 2;

@@ -36,8 +36,7 @@ void recipients_of_answer(struct broker *b, const char *names, uint32_t sender,
     while (mu_fields_next(&names, &read) || read.cut) {
         uint32_t agent = read.cut ? MU_NONE : registry_addressee(&b->registry, name);
         if (agent != MU_NONE && agent != sender && !registry_is_own(agent) &&
-            b->registry.agents[agent].mark != mark &&
-            (open || !scope_is_inside(b->registry.agents[agent].scope))) {
+            b->registry.agents[agent].mark != mark && (open || !view_inside(b, agent))) {
             b->registry.agents[agent].mark = mark;
             to->agents[to->count++] = agent;
         }
@@ -84,13 +83,6 @@ static bool kind_is_addressed(enum mu_address_kind kind, muster_Kind of)
            (kind == MU_ADDRESS_SPECIAL && of == muster_KIND_SPECIAL);
 }
 
-/* A broadcast from inside does not go beyond the broker: agents there are known by
- * the wall clock. */
-static bool is_too_far(const struct broker *b, uint32_t agent, uint32_t sender)
-{
-    return names_is_beyond(b, agent) && view_inside(b, sender);
-}
-
 void recipients_of_letter(struct broker *b, const muster_Mail *letter, uint32_t sender,
                           struct recipients *to)
 {
@@ -108,13 +100,16 @@ void recipients_of_letter(struct broker *b, const muster_Mail *letter, uint32_t 
         to->unknown += view_resolver(b, letter->dst) == MU_NONE;
         return;
     }
+    /* A broadcast from inside does not go beyond the broker: agents there are known by the wall
+     * clock. */
+    bool inside = view_inside(b, sender);
     for (uint32_t i = 0; i < b->registry.live; i++) {
         uint32_t agent = b->registry.order[i];
         const struct agent *a = &b->registry.agents[agent];
         if (!registry_is_own(agent) && agent != sender && a->process != MU_NONE &&
             kind_is_addressed(kind, a->is.kind) &&
             !(kind == MU_ADDRESS_ALL && a->is.no_broadcasts && letter->layer != 0) &&
-            !is_too_far(b, agent, sender)) {
+            !(inside && names_is_beyond(b, agent))) {
             to->agents[to->count++] = agent;
         }
     }

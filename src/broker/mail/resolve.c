@@ -41,7 +41,7 @@ static void resolver_ask(struct broker *b, uint32_t index)
     char ticket[MU_FIELD_MAX + 1];
     struct resolve *r = &b->resolve;
     struct resolve_wait *w = &r->waits[index];
-    bool inside = scope_is_inside(b->registry.agents[w->resolver].scope);
+    bool inside = view_inside(b, w->resolver);
     w->ticket = (inside ? 0 : OUTSIDE_TICKETS) + ++r->tickets[inside];
     w->until_ns =
         w->since_ns + (clock_by_steps(&b->clock) ? RESOLVE_PATIENCE_STEPS * b->clock.step_ns

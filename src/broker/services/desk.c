@@ -64,7 +64,7 @@ static void request_lookup(struct broker *b, const struct mail *question)
     mu_fields_add(&t, validate_kind_word(m.kind));
     mu_fields_add(&t, validate_state_word(m.state));
     mu_fields_add(&t, m.broker);
-    bool inside = scope_is_inside(b->registry.agents[question->sender].scope);
+    bool inside = view_inside(b, question->sender);
     mu_fields_add(&t, m.host);
     mu_text_format(&t, " %lu", inside ? 0ul : (unsigned long)m.pid);
     answer_reply(b, REGISTRY_BROKER, question, "inform");

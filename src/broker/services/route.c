@@ -131,8 +131,7 @@ static bool meets_run(struct broker *b, const struct mail *m)
         if (registry_is_own(agent)) { /* what changes the broker takes effect between steps, too */
             meets = m->letter.layer == 0 || recipients_has_member_change(b, m);
         } else {
-            meets =
-                scope_is_inside(b->registry.agents[agent].scope) || steps_keeps_before(b, m, agent);
+            meets = view_inside(b, agent) || steps_keeps_before(b, m, agent);
         }
     }
     return meets;
