@@ -3,8 +3,6 @@
 
 #include "muster/memory.h"
 
-#include <string.h>
-
 /* Sizes of records, in bytes. */
 const uint32_t pool_class_bytes[POOL_CLASSES] = {320,  512,  1024,  2048,
                                                  4096, 8192, 16384, POOL_RECORD_MAX};

@@ -1,6 +1,4 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/mail/mail.h"
-
 #include "broker/control/parts.h"
 
 /* Takes those outside out of it: they are not reached. */

@@ -1,6 +1,4 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/mail/mail.h"
-
 #include "broker/control/parts.h"
 
 /* What is within a sender's share of the store, however full that is. */

@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/mail/mail.h"
-
 #include "broker/control/parts.h"
 #include "core/fields.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* Begins reply_with of a question, and so in_reply_to of its answer. */
 static const char TICKET[] = "resolve-";

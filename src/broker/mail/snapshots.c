@@ -1,10 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/mail/mail.h"
-
 #include "broker/control/parts.h"
-#include "core/text.h"
-
-#include <string.h>
 
 /* So long a host may be silent, with a run that waits for it, or with an agent that no other
  * process has: less than a simulator waits for any process. */

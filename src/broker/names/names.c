@@ -1,6 +1,4 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/names/names.h"
-
 #include "broker/control/parts.h"
 
 /* clang-format off */

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/control/parts.h"
 
-#include "core/text.h"
-
-#include <string.h>
-
 /* --- states of its reader and writer, and of its turn to be served ------------------------------
  */
 

@@ -5,8 +5,6 @@
 #include "core/text.h"
 #include "muster/memory.h"
 
-#include <string.h>
-
 /* clang-format off */
 /* The letters of the table; X is illegal. */
 enum {

@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/names/names.h"
-
 #include "broker/control/parts.h"
 #include "core/hash.h"
-#include "core/text.h"
-
-#include <string.h>
 
 static const char PREFIX[] = "broker.";
 enum { PREFIX_LEN = sizeof PREFIX - 1 };

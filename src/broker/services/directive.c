@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/services/services.h"
-
 #include "broker/control/parts.h"
 #include "muster/refusal.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 /* The one line that the broker carries out; so does its part that delivers. */
 static const char INTERVAL[] = "delivery-interval";

@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/services/services.h"
-
 #include "broker/control/parts.h"
 
 #include <inttypes.h>
 #include <stdio.h>
-#include <string.h>
 
 _Static_assert((int)PARTS_END == (int)REGISTRY_OWN, "each part has its line in the white pages");
 

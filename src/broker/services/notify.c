@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/services/services.h"
-
 #include "broker/control/parts.h"
 #include "core/fields.h"
-
-#include <string.h>
 
 /* --- changes ---------------------------------------------------------------------------------- */
 

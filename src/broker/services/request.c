@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/services/services.h"
-
 #include "broker/control/parts.h"
 #include "core/fields.h"
 #include "core/name.h"
-
-#include <string.h>
 
 /* --- answers ---------------------------------------------------------------------------------- */
 

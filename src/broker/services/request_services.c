@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Questions to the yellow pages, and changes of them. */
-#include "broker/services/services.h"
-
 #include "broker/control/parts.h"
 #include "core/fields.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 /* What `advertise` says: as it came, checked by services.c. */
 struct advert {

@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/services/services.h"
-
 #include "broker/control/parts.h"
-
-#include <string.h>
 
 /* --- in from the wire ----------------------------------------------------------------------------
  */

@@ -1,10 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/steps/steps.h"
-
 #include "broker/control/parts.h"
-#include "core/address.h"
-
-#include <string.h>
 
 /* --- scopes ----------------------------------------------------------------------------------- */
 
