@@ -295,10 +295,6 @@ static inline uint32_t receipts_count(const struct receipts *r, uint32_t agent)
     return r->queues[agent].count;
 }
 
-/** @return the receipt behind another one, or (after NULL) the agent's first; or NULL */
-const struct receipt *receipts_next(const struct receipts *r, uint32_t agent,
-                                    const struct receipt *after);
-
 /** Removes the oldest count receipts of an agent. */
 void receipts_drop(struct receipts *r, uint32_t agent, uint32_t count);
 

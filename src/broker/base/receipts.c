@@ -1,14 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/base/base.h"
 
-const struct receipt *receipts_next(const struct receipts *r, uint32_t agent,
-                                    const struct receipt *after)
-{
-    uint32_t next = after ? mu_list_next(MU_LINKS(r->at, link), (uint32_t)(after - r->at))
-                          : mu_list_first(&r->queues[agent]);
-    return next != MU_NONE ? &r->at[next] : NULL;
-}
-
 void receipts_add(struct receipts *r, uint32_t agent, uint64_t first_seq, uint64_t last_seq,
                   muster_Outcome result)
 {

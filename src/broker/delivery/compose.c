@@ -78,17 +78,19 @@ static bool parcels_fill(struct broker *b, struct dispatch_part *part, struct di
 
 static uint32_t receipts_fill(struct broker *b, uint32_t agent, muster_Delivery *d)
 {
-    const struct receipt *r = receipts_next(&b->receipts, agent, NULL);
-    uint32_t count = 0;
-    for (; r && d->receipts._length < DISPATCH_RECEIPTS; count++) {
+    uint32_t before = d->receipts._length;
+    MU_LIST_EACH (i, &b->receipts.queues[agent], MU_LINKS(b->receipts.at, link)) {
+        const struct receipt *r = &b->receipts.at[i];
+        if (d->receipts._length == DISPATCH_RECEIPTS) {
+            break;
+        }
         d->receipts._buffer[d->receipts._length++] =
             (muster_Receipt){.agent = b->registry.agents[agent].name,
                              .first_seq = r->first_seq,
                              .last_seq = r->last_seq,
                              .result = r->result};
-        r = receipts_next(&b->receipts, agent, r);
     }
-    return count;
+    return d->receipts._length - before;
 }
 
 /* @return what a verdict says of numbers: the last mail of the agent, for its process; what has
