@@ -87,23 +87,14 @@ void pool_release(struct pool *s, struct mail *m)
     }
 }
 
-/* Every string of a letter. */
-static void letter_strings(muster_Mail *letter, char **strings[LETTER_STRINGS])
-{
-    char **all[LETTER_STRINGS] = {
-        &letter->src,         &letter->dst,          &letter->performative,
-        &letter->language,    &letter->ontology,     &letter->reply_with,
-        &letter->in_reply_to, &letter->conversation, &letter->content};
-    memcpy(strings, all, sizeof all);
-}
-
 struct mail *pool_put(struct pool *s, const muster_Mail *letter)
 {
     static char empty[1];
     muster_Mail copy = *letter;
-    char **strings[LETTER_STRINGS];
+    char **strings[LETTER_STRINGS] = {&copy.src,         &copy.dst,          &copy.performative,
+                                      &copy.language,    &copy.ontology,     &copy.reply_with,
+                                      &copy.in_reply_to, &copy.conversation, &copy.content};
     size_t lengths[LETTER_STRINGS];
-    letter_strings(&copy, strings);
     size_t bytes = sizeof(struct mail);
     for (int i = 0; i < LETTER_STRINGS; i++) {
         lengths[i] = **strings[i] ? strlen(*strings[i]) : 0;

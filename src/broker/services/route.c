@@ -72,18 +72,17 @@ static struct mail *mail_admit(struct broker *b, uint32_t sender, const muster_M
         b->counters.malformed++;
         return NULL;
     }
+    muster_Outcome had;
+    bool known = was_had(b, sender, letter, &had);
+    seen_note(b, sender, letter->seq);
     if (is_over(letter)) {
-        seen_note(b, sender, letter->seq);
         return NULL;
     }
-    muster_Outcome had;
-    if (was_had(b, sender, letter, &had)) {
+    if (known) {
         b->counters.duplicates_dropped++;
         outcome_tell(b, sender, letter->seq, letter->seq, had);
-        seen_note(b, sender, letter->seq);
         return NULL;
     }
-    seen_note(b, sender, letter->seq);
     if (!mu_address_valid(letter->dst)) {
         b->counters.malformed++;
         journal_failed(b, sender, letter);
@@ -175,8 +174,8 @@ void route_letter(struct broker *b, uint32_t sender, const muster_Mail *letter,
 
 static bool mail_is_answer(uint32_t own, const struct mail *m)
 {
-    bool asks_state = m->letter.layer == 2 && strcmp(m->letter.performative, "state") == 0;
-    return own == REGISTRY_BROKER && m->letter.layer != 0 && !asks_state && resolve_is_answer(m);
+    bool asks_state = strcmp(m->letter.performative, "state") == 0;
+    return own == REGISTRY_BROKER && !asks_state && resolve_is_answer(m);
 }
 
 static void mails_pump(struct broker *b, uint32_t sender);
