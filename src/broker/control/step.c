@@ -208,7 +208,7 @@ static void lockstep_end(struct broker *b)
     do { /* nothing that was admitted is lost */
         steps_told(b);
         step_apply(b);
-    } while (l->outside_waiting > 0);
+    } while (l->outside_use.mails > 0);
     steps_told(b);
     clock_start(&b->clock, 0, clock_run_ns(&b->clock));
     lockstep_hold(b, false);

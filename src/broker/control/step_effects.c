@@ -50,10 +50,7 @@ static void outside_take(struct broker *b, struct turn *turn)
 {
     struct steps *l = &b->steps;
     struct mail *m = pool_list_pop(&turn->outside);
-    steps_count_outside(l, m, UINT32_MAX); /* one less */
-    struct quota_use less = {.mails = 1, .bytes = pool_bytes(m)};
-    quota_subtract(&turn->outside_use, &less);
-    quota_subtract(&l->outside_use, &less);
+    steps_count_outside(l, m, false);
     pool_keep(m);
     if (route_mail(b, m)) {
         l->told[l->told_count++] = m;
@@ -102,7 +99,7 @@ static void outside_apply(struct broker *b)
 {
     struct steps *l = &b->steps;
     uint32_t share = outside_share(l), spare = outside_spare(l, share);
-    for (uint32_t i = 0; i < l->active_count && l->outside_waiting > 0; i++) {
+    for (uint32_t i = 0; i < l->active_count && l->outside_use.mails > 0; i++) {
         struct turn *turn = &l->turns[l->active[i]];
         uint32_t left = share;
         while (turn->outside.first && left + spare > 0 && l->told_count < STEPS_OUTSIDE_MAX) {

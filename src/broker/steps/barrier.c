@@ -69,11 +69,15 @@ static uint32_t mail_receiver(const struct broker *b, const struct mail *m)
     return registry_find(&b->registry, m->letter.dst);
 }
 
-void steps_count_outside(struct steps *l, const struct mail *m, uint32_t by)
+void steps_count_outside(struct steps *l, const struct mail *m, bool kept)
 {
+    struct turn *turn = &l->turns[m->sender];
+    struct quota_use use = {.mails = 1, .bytes = pool_bytes(m)};
+    uint32_t by = kept ? 1 : UINT32_MAX; /* one less */
     bool is_relayed = m->letter.hops > 0 && m->letter.level != muster_LEVEL_RAM;
-    l->outside_waiting += by;
-    l->turns[m->sender].many += mail_is_for_many(m) ? by : 0;
+    (kept ? quota_add : quota_subtract)(&turn->outside_use, &use);
+    (kept ? quota_add : quota_subtract)(&l->outside_use, &use);
+    turn->many += mail_is_for_many(m) ? by : 0;
     if (m->kept_for != MU_NONE) {
         l->turns[m->kept_for].awaited += by;
         l->turns[m->kept_for].relayed += is_relayed ? by : 0;
@@ -91,10 +95,8 @@ bool steps_keep(struct broker *b, struct mail *m, bool from_outside)
         if (quota_ask(&turn->outside_use, &l->outside_use, &want, &most, &least) != QUOTA_FITS) {
             return false;
         }
-        quota_add(&turn->outside_use, &want);
-        quota_add(&l->outside_use, &want);
         m->kept_for = mail_receiver(b, m);
-        steps_count_outside(l, m, 1);
+        steps_count_outside(l, m, true);
     } else if (want.bytes > l->turn_bytes) {
         return false;
     } else {

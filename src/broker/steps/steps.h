@@ -100,7 +100,6 @@ struct steps {
     struct turn turns[REGISTRY_MAX];
     uint32_t active[REGISTRY_MAX]; /* agents with something collected */
     uint32_t active_count;
-    uint32_t outside_waiting;
     struct quota_use outside_use; /* of mails from outside, until they take effect */
     uint32_t turn_bytes;          /* what the Up that is being taken may still bring */
     /* Mails from outside that took effect, in order, until the simulator has been told. */
@@ -197,6 +196,6 @@ void steps_told(struct broker *b);
 void steps_owe_delivery(struct broker *b, uint32_t place);
 
 /** Counts a mail from outside that is kept, or is kept no longer. */
-void steps_count_outside(struct steps *l, const struct mail *m, uint32_t by);
+void steps_count_outside(struct steps *l, const struct mail *m, bool kept);
 
 #endif

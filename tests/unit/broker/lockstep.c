@@ -724,7 +724,7 @@ static void test_limit_bytes_from_outside(void)
     CU_ASSERT_EQUAL(story_status().over_share, 1);
     story_send("blue", 1, "red", large);
     CU_ASSERT_EQUAL(story_status().over_share, 1);
-    CU_ASSERT_EQUAL(story.b->steps.outside_waiting, LONE + 1);
+    CU_ASSERT_EQUAL(story.b->steps.outside_use.mails, LONE + 1);
     answer("red", 0);
     answer("green", 0);
     CU_ASSERT_EQUAL(story.b->steps.outside_use.bytes, 0);
