@@ -97,9 +97,9 @@ struct process {
     uint64_t flooded_until_ns;
     uint64_t flood_wake_ns;         /* when it is woken, if it is held for that */
     struct mu_link queued, flooded; /* in the queue of those to look at, and of those held */
-    uint32_t seat;        /* its number; no other place ever had it */
-    uint64_t serial;      /* of the last Delivery to it */
-    uint64_t version_had; /* of the white pages */
+    uint32_t seat;                  /* its number; no other place ever had it */
+    uint64_t serial;                /* of the last Delivery to it */
+    uint64_t version_had;           /* of the white pages */
     uint64_t groups_had;
     uint64_t services_had;
     uint32_t claims; /* names that it waits for */
@@ -113,12 +113,12 @@ struct process {
 
 struct processes {
     struct process at[MU_PROCESSES_MAX];
-    uint32_t top;             /* entries ever used */
-    uint32_t seats;           /* given out */
-    uint32_t hearers;         /* those that read multicasts */
-    uint32_t held, refused;   /* those whose turn is so */
-    bool all_awake;           /* since something happened to all, none has been looked at */
-    struct mu_list queue;     /* of those to look at */
+    uint32_t top;           /* entries ever used */
+    uint32_t seats;         /* given out */
+    uint32_t hearers;       /* those that read multicasts */
+    uint32_t held, refused; /* those whose turn is so */
+    bool all_awake;         /* since something happened to all, none has been looked at */
+    struct mu_list queue;   /* of those to look at */
     struct mu_table names;
 };
 

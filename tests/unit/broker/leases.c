@@ -73,10 +73,8 @@ static void test_a_lease_of_a_run_holds_at_a_neighbour(void)
     offer.agent = agent;
     offer.attributes = words("");
     offer.origin = words("alpha");
-    struct broker_options options = {.name = "beta",
-                                     .incarnation = 7,
-                                     .pid = 9,
-                                     .wall_ns = WALL + story.now_ns};
+    struct broker_options options = {
+        .name = "beta", .incarnation = 7, .pid = 9, .wall_ns = WALL + story.now_ns};
     struct broker *beta = broker_kept(&options);
     muster_Delivery to = {
         .process = words("broker.beta"), .broker = words("alpha"), .broker_incarnation = 5};

@@ -206,9 +206,8 @@ static void commit(bool ok)
 
 static void test_every_mail_is_accounted_for(void)
 {
-    struct broker_options options = {.name = "alpha",
-                                     .has_store = true,
-                                     .boxes = {muster_BOX_DROP_OLDEST, 8, 0}};
+    struct broker_options options = {
+        .name = "alpha", .has_store = true, .boxes = {muster_BOX_DROP_OLDEST, 8, 0}};
     uint64_t seq = 0;
     team(0);
     story.b = broker_kept(&options);
