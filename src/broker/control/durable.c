@@ -122,7 +122,7 @@ static void agent_return(struct broker *b, uint32_t agent)
 
 /* Of names that had ended, and when there are more names than should be, the numbers are kept, for
  * when mail names them, or they come back. */
-static bool agent_bury(struct broker *b, const struct journal_entry *e)
+static void agent_bury(struct broker *b, const struct journal_entry *e)
 {
     struct graveyard *g = &b->registry.graveyard;
     struct grave *grave = graveyard_find(g, e->name);
@@ -131,7 +131,6 @@ static bool agent_bury(struct broker *b, const struct journal_entry *e)
     grave->seq.durable = e->durable_seq;
     grave->seq.failed = e->failed_seq;
     grave->seq.earlier = grave->seq.reserved = e->reserved_seq;
-    return true;
 }
 
 static bool restore_agent(struct broker *b, const struct journal_entry *e)
@@ -140,14 +139,16 @@ static bool restore_agent(struct broker *b, const struct journal_entry *e)
     bool good = name_is_good(e->name) && (ended || validate_kind_word(e->agent_kind)) &&
                 e->durable_seq <= INT64_MAX && e->failed_seq <= INT64_MAX &&
                 e->reserved_seq <= INT64_MAX;
-    uint32_t agent = good ? registry_find(&b->registry, e->name) : MU_NONE;
-    if (good && agent == MU_NONE && (ended || registry_is_crowded(&b->registry))) {
+    if (!good) {
+        return false;
+    }
+    uint32_t agent = registry_find(&b->registry, e->name);
+    if (agent == MU_NONE && (ended || registry_is_crowded(&b->registry))) {
         b->registry.roomless += !ended;
-        return agent_bury(b, e);
+        agent_bury(b, e);
+        return true;
     }
-    if (good && agent == MU_NONE) {
-        agent = registry_add(&b->registry, e->name);
-    }
+    agent = agent != MU_NONE ? agent : registry_add(&b->registry, e->name);
     if (agent == MU_NONE) {
         return false;
     }
@@ -163,12 +164,12 @@ static bool restore_agent(struct broker *b, const struct journal_entry *e)
 /* @return the agent of a name that stands in a mail, entered if need be; or MU_NONE */
 static uint32_t agent_named(struct broker *b, const char *name)
 {
-    uint32_t agent = name_is_good(name) ? registry_find(&b->registry, name) : MU_NONE;
-    if (agent == MU_NONE && name_is_good(name)) {
-        agent = registry_add(&b->registry, name);
-        if (agent != MU_NONE) {
-            agent_return(b, agent);
-        }
+    if (!name_is_good(name)) {
+        return MU_NONE;
+    }
+    uint32_t agent = registry_find(&b->registry, name);
+    if (agent == MU_NONE && (agent = registry_add(&b->registry, name)) != MU_NONE) {
+        agent_return(b, agent);
     }
     return agent;
 }

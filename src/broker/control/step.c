@@ -37,9 +37,7 @@ static void step_end(struct broker *b)
         steps_role_on(b, l->roster[i], ROLE_STEP_ENDS);
     }
     l->awaits_moves = true;
-    if (!transfer_step_ended(b)) {
-        steps_release(b);
-    }
+    transfer_step_ended(b);
 }
 
 static bool step_is_complete(const struct steps *l)

@@ -281,9 +281,9 @@ bool compose_fill(struct broker *b, uint32_t place, muster_Delivery *d)
 bool compose_fill_word(struct broker *b, uint32_t place, muster_Delivery *d)
 {
     struct dispatch *c = &b->dispatch;
-    if (b->snapshots.words_count > 0 && snapshots_next(b, place, &c->trip)) {
+    if (snapshots_next(b, place, &c->trip)) {
         c->open_word = WORD_TRIP;
-    } else if (b->probes.words_count > 0 && probes_next(b, place, &c->probe)) {
+    } else if (probes_next(b, place, &c->probe)) {
         c->open_word = WORD_PROBE;
     } else {
         return false;

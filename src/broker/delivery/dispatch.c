@@ -123,23 +123,18 @@ bool broker_next(struct broker *b, const char **process, muster_Delivery *d)
             continue;
         }
         b->dispatch.open = place;
-        bool some_words = b->snapshots.words_count + b->probes.words_count > 0;
-        if (some_words && compose_fill_word(b, place, d)) {
-            *process = at->name;
+        *process = at->name;
+        if (compose_fill_word(b, place, d)) {
             return true;
         }
-        if (place_hold(b, place) || place_pause(b, place)) {
-            b->dispatch.open = MU_NONE;
-            continue;
-        }
-        if (compose_fill(b, place, d)) {
-            *process = at->name;
-            return true;
-        }
-        bool full = b->dispatch.parts_count == DISPATCH_AGENTS;
-        parts_return(b, true); /* behind urgent ones, or until the dispatcher wakes */
-        if (full) {
-            processes_wake(&b->processes, place); /* more of them have not been looked at */
+        if (!place_hold(b, place) && !place_pause(b, place)) {
+            if (compose_fill(b, place, d)) {
+                return true;
+            }
+            if (b->dispatch.parts_count == DISPATCH_AGENTS) {
+                processes_wake(&b->processes, place); /* more of them have not been looked at */
+            }
+            parts_return(b, true); /* behind urgent ones, or until the dispatcher wakes */
         }
         b->dispatch.open = MU_NONE;
     }
@@ -200,7 +195,6 @@ static void word_end(struct broker *b)
         probes_sent(b);
     }
     processes_wake(&b->processes, c->open);
-    c->open = MU_NONE;
     c->open_word = WORD_NONE;
 }
 
@@ -213,22 +207,9 @@ static void place_go_on(struct broker *b, const struct process *at, uint32_t pla
     }
 }
 
-void broker_delivered(struct broker *b, uint64_t now_ns)
+static void parts_delivered(struct broker *b, struct process *at)
 {
     struct dispatch *c = &b->dispatch;
-    clock_set_now(&b->clock, now_ns);
-    MU_ASSERT(c->open != MU_NONE);
-    if (c->open_word != WORD_NONE) {
-        word_end(b);
-        return;
-    }
-    if (c->open == PROCESSES_ALL) {
-        delivery_count(c, multicast_sent(b));
-        c->count.circulars++;
-        c->open = MU_NONE;
-        return;
-    }
-    struct process *at = &b->processes.at[c->open];
     uint32_t parcels = 0, from = MU_NONE;
     for (uint32_t i = 0; i < c->parts_count; i++) {
         parcels += c->parts[i].parcels;
@@ -250,19 +231,27 @@ void broker_delivered(struct broker *b, uint64_t now_ns)
     } else {
         place_go_on(b, at, c->open);
     }
+}
+
+void broker_delivered(struct broker *b, uint64_t now_ns)
+{
+    struct dispatch *c = &b->dispatch;
+    clock_set_now(&b->clock, now_ns);
+    MU_ASSERT(c->open != MU_NONE);
+    if (c->open_word != WORD_NONE) {
+        word_end(b);
+    } else if (c->open == PROCESSES_ALL) {
+        delivery_count(c, multicast_sent(b));
+        c->count.circulars++;
+    } else {
+        parts_delivered(b, &b->processes.at[c->open]);
+    }
     c->open = MU_NONE;
 }
 
-void broker_undelivered(struct broker *b)
+static void place_undelivered(struct broker *b)
 {
     struct dispatch *c = &b->dispatch;
-    MU_ASSERT(c->open != MU_NONE);
-    c->count.blocked++;
-    if (c->open == PROCESSES_ALL) {
-        multicast_unsent(b);
-        c->open = MU_NONE;
-        return;
-    }
     for (uint32_t i = 0; i < c->parts_count; i++) {
         mailbox_take_back(&b->mailbox, c->parts[i].agent);
     }
@@ -272,6 +261,14 @@ void broker_undelivered(struct broker *b)
         c->retry_ns = clock_after_ns(b->clock.now_ns, DISPATCH_RETRY_NS);
     }
     processes_turn_on(&b->processes, c->open, TURN_IS_REFUSED);
+}
+
+void broker_undelivered(struct broker *b)
+{
+    struct dispatch *c = &b->dispatch;
+    MU_ASSERT(c->open != MU_NONE);
+    c->count.blocked++;
+    (c->open == PROCESSES_ALL ? multicast_unsent : place_undelivered)(b);
     c->open = MU_NONE;
 }
 

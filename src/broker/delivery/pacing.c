@@ -3,7 +3,7 @@
 
 #include "broker/control/parts.h"
 
-void pacing_bring_forward(struct pacing *f, uint32_t place)
+void pacing_note_speaker(struct pacing *f, uint32_t place, uint64_t now_ns)
 {
     struct pacing_speaker *s = f->speakers;
     uint32_t i = 0;
@@ -13,7 +13,7 @@ void pacing_bring_forward(struct pacing *f, uint32_t place)
     for (; i > 0; i--) {
         s[i] = s[i - 1];
     }
-    s[0].place = place;
+    s[0] = (struct pacing_speaker){.place = place, .spoke_ns = now_ns};
 }
 
 /* @return whether any process but the two ends of a flood has mail under way */

@@ -75,8 +75,8 @@ void registration_gone(struct broker *b, uint32_t place, uint32_t part, bool cra
 /** Takes a word of a process.  @param in_step  it came with the process's answer to a step */
 void transfer_hear(struct broker *b, uint32_t place, const muster_Trip *trip, bool in_step);
 
-/** A step has taken effect.  @return whether its end has to wait for agents on their way */
-bool transfer_step_ended(struct broker *b);
+/** A step has taken effect: it ends now, or when those that are on their way are at their hosts. */
+void transfer_step_ended(struct broker *b);
 
 /** The run is over, for that reason: an agent that is on its way inside stays. */
 void transfer_run_over(struct broker *b, const char *reason);

@@ -194,11 +194,8 @@ static void refusal_take(struct broker *b, uint32_t place, const muster_Trip *tr
 {
     struct snapshot *c = snapshots_answered_by(b, place, trip);
     if (c) {
-        bool held = c->phase == SNAPSHOT_HOLDS;
         snapshots_refuse(b, c, trip->reason);
-        if (held) {
-            step_release(b);
-        }
+        step_release(b);
     }
 }
 
@@ -293,7 +290,7 @@ static int asker_compare(const void *x, const void *y, const void *broker)
 }
 
 /* Which snapshot came first depends on the clock; which agent sets out first does not. */
-bool transfer_step_ended(struct broker *b)
+void transfer_step_ended(struct broker *b)
 {
     struct snapshot *order[MU_CAPSULES_MAX];
     uint32_t count = 0;
@@ -306,7 +303,7 @@ bool transfer_step_ended(struct broker *b)
     for (uint32_t i = 0; i < count; i++) {
         snapshot_set_out(b, order[i]);
     }
-    return b->snapshots.holding > 0;
+    step_release(b);
 }
 
 void transfer_run_over(struct broker *b, const char *reason)
