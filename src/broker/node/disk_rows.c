@@ -84,12 +84,15 @@ static const struct field *const records[] = {
 
 static const char ENDED[] = "ended"; /* the kind of a name that has ended */
 
-static const char *const lines_words[LINES_KINDS] = {
-    [LINES_GROUPS] = "group", [LINES_SERVICES] = "service"};
-
-static const char *kind_word(muster_Kind kind)
+/* @return the word for a number, or NULL: there is none */
+static const char *word_of(enum field_type type, uint32_t number)
 {
-    return kind == JOURNAL_ENDED ? ENDED : validate_kind_word(kind);
+    static const char *const lines[LINES_KINDS + 1] = {
+        [LINES_GROUPS] = "group", [LINES_SERVICES] = "service"};
+    if (type == FIELD_LINES) {
+        return lines[number];
+    }
+    return number == JOURNAL_ENDED ? ENDED : validate_kind_word((muster_Kind)number);
 }
 
 /* What a field has: a text, or, if that is NULL, a number. */
@@ -117,9 +120,9 @@ static struct value value_of(const struct field *f, const struct journal_entry *
     case FIELD_KIND:
     case FIELD_LINES: memcpy(&small, at, sizeof small); break;
     }
-    v.text = f->type == FIELD_KIND    ? kind_word((muster_Kind)small)
-             : f->type == FIELD_LINES ? lines_words[small]
-                                      : NULL;
+    if (f->type == FIELD_KIND || f->type == FIELD_LINES) {
+        v.text = word_of(f->type, small);
+    }
     v.number += f->type == FIELD_SIGNED ? (uint64_t)(int32_t)small : small;
     v.number += (uint64_t)flag + (f->type == FIELD_DUE);
     return v;
@@ -129,16 +132,10 @@ static struct value value_of(const struct field *f, const struct journal_entry *
 static uint32_t word_read(enum field_type type, const char *word)
 {
     uint32_t i = 0;
-    if (type == FIELD_LINES) {
-        while (i < LINES_KINDS && strcmp(lines_words[i], word) != 0) {
-            i++;
-        }
-        return i;
-    }
-    while (validate_kind_word((muster_Kind)i) && strcmp(kind_word((muster_Kind)i), word) != 0) {
+    while (word_of(type, i) && strcmp(word_of(type, i), word) != 0) {
         i++;
     }
-    bool known = validate_kind_word((muster_Kind)i) != NULL;
+    bool known = word_of(type, i) || type == FIELD_LINES;
     return known ? i : strcmp(word, ENDED) == 0 ? (uint32_t)JOURNAL_ENDED : 0;
 }
 

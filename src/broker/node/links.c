@@ -13,9 +13,9 @@ mu_result links_open(struct links *p, struct bus *bus, const char *place)
     return bus_writer_open(bus, BUS_REGISTRATION, NULL, NULL, &p->registration);
 }
 
-static struct links_line *line_find(struct links *p, const char *name)
+static const struct links_line *line_find(const struct links *p, const char *name)
 {
-    for (uint32_t i = 0; i < p->count; i++) {
+    for (uint32_t i = 0; i < MU_BROKERS_MAX; i++) {
         if (strcmp(p->lines[i].name, name) == 0) {
             return &p->lines[i];
         }
@@ -23,39 +23,34 @@ static struct links_line *line_find(struct links *p, const char *name)
     return NULL;
 }
 
-static void line_open(struct links *p, const char *name)
+static void line_open(struct links *p, struct links_line *line, const char *name)
 {
     char place[MU_PROCESS_MAX + 1];
-    struct links_line *line = &p->lines[p->count];
     snprintf(place, sizeof place, "broker.%s", name);
-    mu_text_copy(line->name, sizeof line->name, name);
     if (bus_writer_open(p->bus, BUS_UP, place, NULL, &line->ups) == MU_OK) {
-        p->count++;
+        mu_text_copy(line->name, sizeof line->name, name);
     } else {
         mu_log(MU_LOG_ERROR, "no-line-to-broker", "name=%s", name);
     }
 }
 
-void links_follow(struct links *p, struct beacons *beacons, struct broker *b, uint64_t now_ns)
+void links_follow(struct links *p, const struct beacons *beacons, struct broker *b, uint64_t now_ns)
 {
-    uint32_t kept = 0, before = p->count;
-    for (uint32_t i = 0; i < p->count; i++) {
-        const struct beacons_broker *other = beacons_find(beacons, p->lines[i].name);
-        if (other && other->there) {
-            p->lines[kept++] = p->lines[i];
-        } else {
-            bus_writer_close(&p->lines[i].ups);
-        }
-    }
-    p->count = kept;
+    uint32_t open = 0;
     for (uint32_t i = 0; i < beacons->count; i++) {
-        if (beacons->at[i].there && !line_find(p, beacons->at[i].name)) {
-            line_open(p, beacons->at[i].name);
+        const struct beacons_broker *other = &beacons->at[i];
+        struct links_line *line = &p->lines[i];
+        bool is_its = other->there && strcmp(line->name, other->name) == 0;
+        if (line->name[0] != '\0' && !is_its) {
+            bus_writer_close(&line->ups);
+            line->name[0] = '\0';
         }
+        if (other->there && !is_its) {
+            line_open(p, line, other->name);
+        }
+        open += line->name[0] != '\0';
     }
-    if (p->count > 0 || before > 0) {
-        broker_peers(b, p->count, now_ns);
-    }
+    broker_peers(b, open, now_ns);
 }
 
 void links_take(struct links *p, struct broker *b, uint64_t now_ns)

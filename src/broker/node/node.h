@@ -143,7 +143,7 @@ void beacon_close(struct beacon *h);
 
 /* Acknowledgements go into the partition of the broker that they are for. */
 struct links_line {
-    char name[MU_NAME_MAX + 1];
+    char name[MU_NAME_MAX + 1]; /* "": it is closed */
     struct bus_writer ups;
 };
 
@@ -151,15 +151,15 @@ struct links {
     struct bus *bus;
     struct bus_reader deliveries;
     struct bus_writer registration;
-    struct links_line lines[MU_BROKERS_MAX];
-    uint32_t count;
+    struct links_line lines[MU_BROKERS_MAX]; /* by the places of the brokers among the Beacons */
 };
 
 /** @param place  "broker.NAME" of this broker */
 MU_MUST_USE mu_result links_open(struct links *p, struct bus *bus, const char *place);
 
 /** Opens a line to each broker that is there, and closes the others. */
-void links_follow(struct links *p, struct beacons *beacons, struct broker *b, uint64_t now_ns);
+void links_follow(struct links *p, const struct beacons *beacons, struct broker *b,
+                  uint64_t now_ns);
 
 /** Takes what other brokers deliver. */
 void links_take(struct links *p, struct broker *b, uint64_t now_ns);
@@ -183,8 +183,7 @@ struct telemetry {
     struct bus *bus;
     struct bus_writer status, parts;
     muster_BrokerStatus told; /* without what drifts */
-    uint64_t told_ns;         /* when all was told, whether it was news or not */
-    bool begun;
+    uint64_t told_ns;         /* when all was told, whether it was news or not; 0: it never was */
     uint64_t values[METRICS_MAX]; /* that were told last, in the order of the table */
 };
 

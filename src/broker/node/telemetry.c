@@ -84,19 +84,18 @@ static void everything_tell(struct telemetry *h, struct broker *b, bool all)
     bus_ways(h->bus, &b->ways);
     status_tell(h, b, all);
     for (uint32_t part = 1; broker_part(b, part, &status); part++) {
-        if (!h->begun || part_is_news(h, first, &status, all)) {
+        if (h->told_ns == 0 || part_is_news(h, first, &status, all)) {
             part_tell(h, first, &status);
         }
         first += status.counters._length;
     }
-    h->begun = true;
 }
 
 void telemetry_tell(struct telemetry *h, struct broker *b, uint64_t now_ns)
 {
-    bool all = !h->begun || now_ns - h->told_ns >= HEALTH_DRIFT_NS;
-    h->told_ns = all ? now_ns : h->told_ns;
+    bool all = h->told_ns == 0 || now_ns - h->told_ns >= HEALTH_DRIFT_NS;
     everything_tell(h, b, all);
+    h->told_ns = all ? now_ns : h->told_ns;
 }
 
 void telemetry_close(struct telemetry *h, struct broker *b)
