@@ -29,6 +29,10 @@ static void beacon_take(struct beacon *h, const muster_Beacon *beacon)
         mu_log(MU_LOG_INFO, "broker-met", "name=%s host=%s pid=%u index=%u", beacon->broker,
                beacon->host, beacon->pid, beacon->index);
         break;
+    case BEACON_FULL:
+        mu_log(MU_LOG_WARNING, "broker-passed-over", "name=%s host=%s pid=%u most=%d",
+               beacon->broker, beacon->host, beacon->pid, MU_BROKERS_MAX);
+        break;
     case BEACON_LATER:
         mu_log(MU_LOG_WARNING, "name-claimed", "name=%s host=%s pid=%u", beacon->broker,
                beacon->host, beacon->pid);

@@ -22,5 +22,10 @@ enum beacon_news beacon_table_hear(struct beacon_table *b, const muster_Beacon *
     if (strcmp(beacon->broker, b->own.broker) == 0) {
         return namesake_hear(&b->own, beacon);
     }
-    return beacons_note(&b->others, beacon) == BEACONS_MET ? BEACON_MET : BEACON_NOTHING;
+    enum beacons_news news = beacons_note(&b->others, beacon);
+    if (news == BEACONS_FULL && !b->overflows) {
+        b->overflows = true;
+        return BEACON_FULL;
+    }
+    return news == BEACONS_MET ? BEACON_MET : BEACON_NOTHING;
 }

@@ -70,11 +70,13 @@ bool outlets_look(struct outlets *m, const char *mute, bool all, uint64_t now_ns
 struct beacon_table {
     muster_Beacon own; /* what this one says of itself */
     struct beacons others;
+    bool overflows; /* there have been more others than it can hold */
 };
 
 enum beacon_news {
-    BEACON_NOTHING, /* it is known, or our own, or does not fit */
+    BEACON_NOTHING, /* it is known, or our own, or there was no room before */
     BEACON_MET,     /* a broker that was not there before, or another life of one */
+    BEACON_FULL,    /* the first of those that there is no room for */
     BEACON_LATER,   /* another broker has our name, and must give way */
     BEACON_EARLIER, /* another broker has our name, and we must give way */
 };
