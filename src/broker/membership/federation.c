@@ -65,6 +65,9 @@ struct peer *federation_meet(struct broker *b, const char *name, uint64_t incarn
     struct peer *p = remote_peer(b, name);
     p = p ? p : remote_add_peer(b, name);
     if (!p) {
+        if (b->federation.passed_over[0] == '\0') {
+            (void)mu_text_copy(b->federation.passed_over, MU_NAME_MAX + 1, name);
+        }
         return NULL;
     }
     bool begins = p->state == PEER_UNKNOWN || incarnation > p->incarnation;

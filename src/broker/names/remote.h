@@ -118,6 +118,7 @@ struct federation {
     struct peer *peers; /* MU_BROKERS_MAX of them */
     uint32_t peers_count;
     uint32_t peers_there;
+    char passed_over[MU_NAME_MAX + 1]; /* the first for which there was no room; "": none */
     struct pause pauses[REGISTRY_MAX];
     struct mu_list pausing;
     /* announce.c */

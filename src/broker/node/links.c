@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/node/node.h"
 
+#include "broker/control/parts.h"
 #include "core/log.h"
 
 #include <stdio.h>
@@ -53,6 +54,16 @@ void links_follow(struct links *p, const struct beacons *beacons, struct broker 
     broker_peers(b, open, now_ns);
 }
 
+/* Once: it goes on as long as there are so many. */
+static void passed_over_tell(struct links *p, const struct broker *b)
+{
+    const char *name = b->federation.passed_over;
+    if (name[0] != '\0' && !p->overflows) {
+        p->overflows = true;
+        mu_log(MU_LOG_WARNING, "neighbour-passed-over", "name=%s most=%d", name, MU_BROKERS_MAX);
+    }
+}
+
 void links_take(struct links *p, struct broker *b, uint64_t now_ns)
 {
     enum bus_life life;
@@ -62,6 +73,7 @@ void links_take(struct links *p, struct broker *b, uint64_t now_ns)
             broker_delivery(b, d, now_ns);
         }
     }
+    passed_over_tell(p, b);
 }
 
 bool links_tell(struct links *p, struct broker *b)

@@ -154,6 +154,7 @@ struct links {
     struct bus_reader deliveries;
     struct bus_writer registration;
     struct links_line lines[MU_BROKERS_MAX]; /* by the places of the brokers among the Beacons */
+    bool overflows; /* it was told that the broker has passed over another one */
 };
 
 /** @param place  "broker.NAME" of this broker */

@@ -706,6 +706,9 @@ static void test_limit_brokers(void)
         snprintf(name, sizeof name, "n%d", i);
         gamma_says(name, &e);
     }
+    CU_ASSERT_STRING_EQUAL(net.b[A]->federation.passed_over, name);
+    gamma_says("more", &e);
+    CU_ASSERT_STRING_EQUAL(net.b[A]->federation.passed_over, name); /* the first is told */
     CU_ASSERT_EQUAL(net.b[A]->federation.peers_count, MU_BROKERS_MAX);
     CU_ASSERT_EQUAL(net.b[A]->federation.peers_there, MU_BROKERS_MAX);
     broker_gone(net.b[A], "broker.n3", 0, true, net.now_ns); /* who is silent makes room */
