@@ -2,13 +2,11 @@
 /* muster-broker: the broker on the network.  What it decides is in broker.c; here it is done. */
 #include "broker/control/parts.h"
 #include "broker/node/node.h"
-#include "bus/bus.h"
 #include "bus/config.h"
 #include "core/clock.h"
 #include "core/exits.h"
 #include "core/log.h"
 #include "core/signals.h"
-#include "core/text.h"
 #include "muster/memory.h"
 #include "muster/version.h"
 
@@ -108,23 +106,19 @@ static void rosters_take(struct node *p)
     }
 }
 
-static void up_take(struct node *p, const muster_Up *up)
-{
-    struct outlet *bag = outlets_find(&p->bags, up->process);
-    if (bag) {
-        bag->heard_ns = mu_clock_ns();
-    }
-    broker_up(p->own.broker, up, post_now(p));
-}
-
 static void ups_take(struct node *p)
 {
     enum bus_life life;
     const muster_Up *up;
     while ((up = bus_next(&p->ups, &life))) {
-        if (life == BUS_DATA) {
-            up_take(p, up);
+        if (life != BUS_DATA) {
+            continue;
         }
+        struct outlet *bag = outlets_find(&p->bags, up->process);
+        if (bag) {
+            bag->heard_ns = mu_clock_ns();
+        }
+        broker_up(p->own.broker, up, post_now(p));
     }
 }
 

@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 
-#include "broker/control/broker.h"
-#include "broker/control/parts.h"
 #include "broker/control/step.h"
 #include "broker/membership/membership.h"
-#include "core/text.h"
 #include "muster/memory.h"
 
 #include <stdio.h>
@@ -48,7 +45,9 @@ struct broker *broker_open(const struct broker_options *options)
     b->steps.simulator = MU_NONE;
     b->dispatch.open = MU_NONE;
     b->snapshots.texts = mu_startup_array(MU_CAPSULES_MAX, MU_CAPSULE_MAX);
-    view_init(&b->pages);
+    lines_init(&b->pages.groups, LINES_GROUPS);
+    lines_init(&b->pages.services, LINES_SERVICES);
+    b->pages.services.told_to = &b->pages.subscriptions;
     mu_pool_init(&b->resolve.pool, RESOLVE_WAITS);
     b->resolve.soonest_ns = UINT64_MAX;
     trust_init(&b->trust);

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What an earlier life of the broker has left on disk.  A file is no better than the network: all
  * of it is checked. */
-#include "broker/control/broker.h"
 
 #include "broker/control/parts.h"
 #include "bus/check_fields.h"
-#include "core/text.h"
 
 #include <string.h>
 

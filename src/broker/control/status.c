@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What there is to see of a broker: its counters, its pages, its audit, its alerts. */
-#include "broker/control/broker.h"
 #include "broker/control/parts.h"
-#include "core/text.h"
 
 void broker_status(const struct broker *b, muster_BrokerStatus *status)
 {

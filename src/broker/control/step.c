@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/control/broker.h"
 
-#include "broker/control/parts.h"
 #include "broker/control/step.h"
 #include "broker/membership/membership.h"
 
@@ -127,13 +125,6 @@ static bool roster_names(const muster_Roster *roster, const struct process *at)
     return false;
 }
 
-static void residents_let_go(struct broker *b, uint32_t place)
-{
-    PROCESSES_EACH_AGENT (b, agent, place) {
-        b->registry.agents[agent].let_go = true;
-    }
-}
-
 /* Lets go of the processes that a new roster does not name. */
 static void roster_shrink(struct broker *b, const muster_Roster *roster)
 {
@@ -146,8 +137,8 @@ static void roster_shrink(struct broker *b, const muster_Roster *roster)
             continue;
         }
         l->answered -= role_next(l->members[place].role, ROLE_ANSWERS) == ROLES;
-        if (roster->held) {
-            residents_let_go(b, place);
+        PROCESSES_EACH_AGENT (b, agent, place) {
+            b->registry.agents[agent].let_go = roster->held || b->registry.agents[agent].let_go;
         }
         turns_drop(b, place);
         place_leave(b, place);

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What happens when its time has come. */
-#include "broker/control/broker.h"
 #include "broker/control/parts.h"
-#include "broker/control/step.h"
 #include "broker/membership/membership.h"
 
 /* An unacknowledged delivery item goes out again after this. */

@@ -38,23 +38,20 @@ static bool place_is_urgent(struct broker *b, uint32_t place)
     return false;
 }
 
-/* @return whether the process is held until the dispatcher wakes */
-static bool place_hold(struct broker *b, uint32_t place)
+/* @return whether the process is held until the dispatcher wakes, or gets no more of a flood for
+ * now */
+static bool place_waits(struct broker *b, uint32_t place)
 {
     const struct process *at = &b->processes.at[place];
-    if (scope_is_paced(at->scope) || dispatch_is_awake(&b->dispatch) || place_is_urgent(b, place)) {
+    bool sleeps = !scope_is_paced(at->scope) && !dispatch_is_awake(&b->dispatch);
+    bool pauses = pacing_is_due(at) && b->clock.now_ns < at->flooded_until_ns;
+    if ((!sleeps && !pauses) || place_is_urgent(b, place)) {
         return false;
     }
-    processes_turn_on(&b->processes, place, TURN_IS_HELD);
-    return true;
-}
-
-/* @return whether the process gets no more of a flood for now */
-static bool place_pause(struct broker *b, uint32_t place)
-{
-    const struct process *at = &b->processes.at[place];
-    bool may = pacing_is_due(at) && b->clock.now_ns < at->flooded_until_ns;
-    return may && !place_is_urgent(b, place) && pacing_hold(b, place);
+    if (sleeps) {
+        processes_turn_on(&b->processes, place, TURN_IS_HELD);
+    }
+    return sleeps || pacing_hold(b, place);
 }
 
 static void dispatch_wake(struct broker *b)
@@ -127,7 +124,7 @@ bool broker_next(struct broker *b, const char **process, muster_Delivery *d)
         if (compose_fill_word(b, place, d)) {
             return true;
         }
-        if (!place_hold(b, place) && !place_pause(b, place)) {
+        if (!place_waits(b, place)) {
             if (compose_fill(b, place, d)) {
                 return true;
             }

@@ -240,8 +240,6 @@ struct pages {
     bool asked_inside; /* a policy asks because of a directive from inside */
 };
 
-void view_init(struct pages *p);
-
 /** @return whether the agent is inside a run that goes by steps */
 bool view_inside(const struct broker *b, uint32_t agent);
 
@@ -251,7 +249,7 @@ bool view_shows(const struct broker *b, uint32_t line, bool inside);
 /** What is said now: its stamp, and whether it takes effect inside.  Call before each change. */
 struct said view_said(struct broker *b);
 
-/** Adds to a Delivery what has changed since the last one. */
+/** Adds to a Delivery what has changed since the last one; view_delivered says that it is out. */
 void view_fill(struct broker *b, const struct process *at, muster_Delivery *d);
 
 /** @return whether there is nothing of it that a place has not been told */
@@ -259,14 +257,6 @@ static inline bool view_has_told(const struct pages *p, const struct process *at
 {
     return changelog_after(&p->groups.changes, at->groups_had) == MU_NONE &&
            changelog_after(&p->services.changes, at->services_had) == MU_NONE;
-}
-
-/** A Delivery begins.  @return whether view_fill may have something to add */
-static inline bool view_open(struct pages *p, const struct process *at)
-{
-    p->groups.open = at->groups_had;
-    p->services.open = at->services_had;
-    return !view_has_told(p, at);
 }
 
 /** @return the lease of a line as others are to have it, which count it from its stamp by the wall

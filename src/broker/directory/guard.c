@@ -3,7 +3,6 @@
 #include "broker/directory/directory.h"
 
 #include "broker/control/parts.h"
-#include "core/text.h"
 
 static struct audit_record *record_of(struct broker *b, uint32_t sender, const char *performative,
                                       const char *line, bool allowed)

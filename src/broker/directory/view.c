@@ -6,13 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-void view_init(struct pages *p)
-{
-    lines_init(&p->groups, LINES_GROUPS);
-    lines_init(&p->services, LINES_SERVICES);
-    p->services.told_to = &p->subscriptions;
-}
-
 /* --- what is shown ---------------------------------------------------------------------------- */
 
 bool view_inside(const struct broker *b, uint32_t agent)
@@ -117,6 +110,8 @@ static void offers_fill(struct broker *b, const struct process *at, muster_Deliv
 
 void view_fill(struct broker *b, const struct process *at, muster_Delivery *d)
 {
+    b->pages.groups.open = at->groups_had;
+    b->pages.services.open = at->services_had;
     if (view_place_is_told(at)) {
         memberships_fill(&b->pages.groups, at, d);
         offers_fill(b, at, d);

@@ -143,12 +143,8 @@ uint64_t lifecycle_deadline_ns(const struct broker *b)
 /* The box obeys what its agent declares. */
 static void box_follow(struct broker *b, uint32_t agent, const struct presence *is)
 {
-    const struct presence *was = &b->registry.agents[agent].is;
-    if (is->full != was->full || is->box_mails != was->box_mails ||
-        is->box_bytes != was->box_bytes) {
-        uint32_t bytes = is->box_bytes < UINT32_MAX ? (uint32_t)is->box_bytes : UINT32_MAX;
-        mailbox_box(&b->mailbox, agent)->limits =
-            (struct box_limits){.policy = is->full, .mails = is->box_mails, .bytes = bytes};
+    if (memcmp(&is->box, &b->registry.agents[agent].is.box, sizeof is->box) != 0) {
+        mailbox_box(&b->mailbox, agent)->limits = is->box;
     }
 }
 

@@ -66,12 +66,11 @@ static void shown_copy(char to[MU_FIELD_MAX + 1], const char *text, char least)
 void registration_presence(const muster_Entry *e, const char *host, uint32_t pid,
                            struct presence *is)
 {
+    uint32_t box_bytes = e->box_bytes < UINT32_MAX ? (uint32_t)e->box_bytes : UINT32_MAX;
     *is = (struct presence){.kind = e->kind,
                             .state = e->state,
                             .no_broadcasts = e->no_broadcasts,
-                            .full = e->full,
-                            .box_mails = e->box_mails,
-                            .box_bytes = e->box_bytes,
+                            .box = {e->full, e->box_mails, box_bytes},
                             .hops = e->hops,
                             .since_wall_ns = e->since_wall_ns,
                             .epoch = e->epoch,

@@ -61,9 +61,7 @@ struct presence {
     muster_Kind kind;
     muster_State state;
     bool no_broadcasts;         /* mail to all passes it by */
-    muster_BoxPolicy full;      /* of its box, */
-    uint32_t box_mails;         /* which holds so many mails, */
-    uint64_t box_bytes;         /* of so many bytes; 0: the broker's own limit */
+    struct box_limits box;      /* that it wants; 0: the broker's own */
     uint32_t hops;              /* brokers between here and */
     char home[MU_NAME_MAX + 1]; /* the broker at which it lives; "": it lives in the process */
     uint64_t since_wall_ns;     /* since when it has its name */

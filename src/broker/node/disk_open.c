@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/node/node.h"
 
 #include "broker/node/disk_parts.h"
 #include "core/log.h"

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What the journal has to write, as rows, and rows as what it takes back. */
-#include "broker/node/node.h"
 
 #include "broker/node/disk_parts.h"
 

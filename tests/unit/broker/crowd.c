@@ -308,12 +308,12 @@ static void test_limits_of_a_box_are_carried(void)
     part_say(&r);
     const struct presence *is =
         &story.b->registry.agents[registry_find(&story.b->registry, "a0")].is;
-    CU_ASSERT_EQUAL(is->full, muster_BOX_DROP_OLDEST);
-    CU_ASSERT_EQUAL(is->box_mails, 5);
-    CU_ASSERT_EQUAL(is->box_bytes, 700);
+    CU_ASSERT_EQUAL(is->box.policy, muster_BOX_DROP_OLDEST);
+    CU_ASSERT_EQUAL(is->box.mails, 5);
+    CU_ASSERT_EQUAL(is->box.bytes, 700);
     entries[0].box_mails = 6;
     part_say(&r);
-    CU_ASSERT_EQUAL(is->box_mails, 6);
+    CU_ASSERT_EQUAL(is->box.mails, 6);
 }
 
 /* Ten thousand names go from one process to the next, at once when the first is gone. */
