@@ -21,16 +21,11 @@ static void states_apply(struct broker *b)
     for (uint32_t i = 0; i < b->steps.active_count; i++) {
         uint32_t agent = b->steps.active[i];
         struct turn *turn = &b->steps.turns[agent];
-        if (!turn->has_state) {
-            continue;
-        }
+        bool changes = turn->has_state && b->registry.agents[agent].process != MU_NONE;
         turn->has_state = false;
-        if (b->registry.agents[agent].process == MU_NONE) {
-            continue;
-        }
-        if (turn->state == muster_STATE_ABSENT) {
+        if (changes && turn->state == muster_STATE_ABSENT) {
             lifecycle_depart(b, agent);
-        } else {
+        } else if (changes) {
             lifecycle_set_state(b, agent, turn->state);
         }
     }

@@ -65,25 +65,21 @@ static void claims_renew(struct broker *b, uint32_t agent)
     }
 }
 
-void lifecycle_claim(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
-                     const struct presence *is)
+void lifecycle_claim(struct broker *b, struct claim *c)
 {
-    struct agent *a = &b->registry.agents[agent];
-    const struct claim claim = {.agent = agent,
-                                .process = place,
-                                .slot = slot,
-                                .until_ns = names_hold_end_ns(b),
-                                .presence = *is};
-    uint32_t had = claims_find(&b->claims, &a->claims, place);
-    if (is_out_of_date(is, &a->is)) {
-        processes_refuse(&b->processes, place, a->name, muster_REFUSAL_OUT_OF_DATE, "out of date");
+    struct agent *a = &b->registry.agents[c->agent];
+    uint32_t had = claims_find(&b->claims, &a->claims, c->process);
+    c->until_ns = names_hold_end_ns(b);
+    if (is_out_of_date(&c->presence, &a->is)) {
+        processes_refuse(&b->processes, c->process, a->name, muster_REFUSAL_OUT_OF_DATE,
+                         "out of date");
     } else if (had != MU_NONE) {
-        b->claims.at[had].slot = slot;
-        b->claims.at[had].presence = *is;
-    } else if (claims_add(&b->claims, &a->claims, &claim)) {
-        b->processes.at[place].claims++;
+        b->claims.at[had].slot = c->slot;
+        b->claims.at[had].presence = c->presence;
+    } else if (claims_add(&b->claims, &a->claims, c)) {
+        b->processes.at[c->process].claims++;
     } else {
-        lifecycle_refuse_held(b, agent, place, a->is.home);
+        lifecycle_refuse_held(b, c->agent, c->process, a->is.home);
     }
 }
 
@@ -115,7 +111,7 @@ static void claims_grant(struct broker *b, uint32_t agent)
             b->processes.at[heir.process].overruled = true;
             processes_tidy(&b->processes, heir.process);
         } else {
-            lifecycle_seat(b, agent, heir.process, heir.slot, &heir.presence);
+            lifecycle_seat(b, &heir);
         }
     }
 }
@@ -160,13 +156,13 @@ void lifecycle_tell_again(struct broker *b, uint32_t place)
 }
 
 /* What the agent has had in its box before is for its new process to have again. */
-void lifecycle_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
-                    const struct presence *is)
+void lifecycle_seat(struct broker *b, const struct claim *c)
 {
-    processes_add_agent(b, place, slot, agent);
-    processes_accept(&b->processes, place, b->registry.agents[agent].name);
-    box_follow(b, agent, is);
-    registry_seat(&b->registry, agent, place, b->processes.at[place].name, is,
+    uint32_t agent = c->agent;
+    processes_add_agent(b, c->process, c->slot, agent);
+    processes_accept(&b->processes, c->process, b->registry.agents[agent].name);
+    box_follow(b, agent, &c->presence);
+    registry_seat(&b->registry, agent, c->process, b->processes.at[c->process].name, &c->presence,
                   clock_wall_ns(&b->clock));
     steps_rescope(b, agent);
     names_owe_verdict(b, agent);
@@ -179,16 +175,16 @@ void lifecycle_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t s
     snapshots_review(b, agent);
 }
 
-void lifecycle_move(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
-                    const struct presence *is)
+void lifecycle_move(struct broker *b, const struct claim *c)
 {
-    uint32_t from = b->registry.agents[agent].process;
-    processes_remove_agent(b, agent);
-    mailbox_unwatch(&b->mailbox, agent);
-    b->registry.agents[agent].left = b->processes.at[from].seat;
-    b->registry.agents[agent].left_wall_ns = b->registry.agents[agent].is.since_wall_ns;
-    b->registry.agents[agent].passed = true;
-    lifecycle_seat(b, agent, place, slot, is);
+    struct agent *a = &b->registry.agents[c->agent];
+    uint32_t from = a->process;
+    processes_remove_agent(b, c->agent);
+    mailbox_unwatch(&b->mailbox, c->agent);
+    a->left = b->processes.at[from].seat;
+    a->left_wall_ns = a->is.since_wall_ns;
+    a->passed = true;
+    lifecycle_seat(b, c);
     processes_tidy(&b->processes, from);
 }
 
@@ -253,21 +249,21 @@ static void step_version_keep(struct broker *b, uint32_t agent)
 }
 
 /* A registration from the process that has the name already. */
-void lifecycle_reregister(struct broker *b, uint32_t agent, uint32_t slot, struct presence *is)
+void lifecycle_reregister(struct broker *b, struct claim *c)
 {
+    uint32_t agent = c->agent;
     struct agent *a = &b->registry.agents[agent];
     if (scope_is_inside(a->scope)) { /* the steps alone change it */
-        is->state = a->is.state;
+        c->presence.state = a->is.state;
     }
-    if (a->resident.slot != slot) {
-        uint32_t place = a->process;
+    if (a->resident.slot != c->slot) {
         processes_remove_agent(b, agent);
-        processes_add_agent(b, place, slot, agent);
+        processes_add_agent(b, c->process, c->slot, agent);
         processes_wake_agent(b, agent);
     }
-    box_follow(b, agent, is);
+    box_follow(b, agent, &c->presence);
     step_version_keep(b, agent);
-    bool changed = registry_update(&b->registry, agent, is, clock_wall_ns(&b->clock));
+    bool changed = registry_update(&b->registry, agent, &c->presence, clock_wall_ns(&b->clock));
     steps_rescope(b, agent);
     if (changed) {
         journal_agent(b, agent);
@@ -293,19 +289,16 @@ void lifecycle_settle(struct broker *b, uint32_t place)
 
 static void route_use(struct broker *b, uint32_t agent, const struct peer *p)
 {
-    const struct agent *a = &b->registry.agents[agent];
     const struct route *route = &p->routes[agent];
-    uint32_t place = processes_find(&b->processes, p->place);
-    struct presence is = route->is;
-    if (place == MU_NONE) {
-        return;
-    }
-    if (a->process == MU_NONE) {
-        lifecycle_seat(b, agent, place, route->slot, &is);
-    } else if (a->process == place) {
-        lifecycle_reregister(b, agent, route->slot, &is);
-    } else {
-        lifecycle_move(b, agent, place, route->slot, &is);
+    uint32_t from = b->registry.agents[agent].process;
+    struct claim c = {.agent = agent,
+                      .process = processes_find(&b->processes, p->place),
+                      .slot = route->slot,
+                      .presence = route->is};
+    if (c.process != MU_NONE && from == c.process) {
+        lifecycle_reregister(b, &c);
+    } else if (c.process != MU_NONE) {
+        (from == MU_NONE ? lifecycle_seat : lifecycle_move)(b, &c);
     }
 }
 

@@ -13,16 +13,14 @@
 /** The agent is absent from now on; a process that waits for its name gets it. */
 void lifecycle_depart(struct broker *b, uint32_t agent);
 
-/** An agent that is nowhere moves into a slot of a place. */
-void lifecycle_seat(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
-                    const struct presence *is);
+/** An agent that is nowhere moves into a slot of a process: a claim on its name is granted. */
+void lifecycle_seat(struct broker *b, const struct claim *c);
 
-/** It goes from one place to another: what it has not acknowledged goes there again. */
-void lifecycle_move(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
-                    const struct presence *is);
+/** It goes from one process to another: what it has not acknowledged goes there again. */
+void lifecycle_move(struct broker *b, const struct claim *c);
 
-/** Its own place says something new of it. */
-void lifecycle_reregister(struct broker *b, uint32_t agent, uint32_t slot, struct presence *is);
+/** Its own process says something new of it. */
+void lifecycle_reregister(struct broker *b, struct claim *c);
 
 /** An agent's state changes, and with it perhaps what it may be handed. */
 void lifecycle_set_state(struct broker *b, uint32_t agent, muster_State state);
@@ -47,8 +45,8 @@ void lifecycle_tick_routes(struct broker *b);
 
 void lifecycle_end_claim(struct broker *b, uint32_t index);
 
-void lifecycle_claim(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
-                     const struct presence *is);
+/** A process waits for a name. */
+void lifecycle_claim(struct broker *b, struct claim *c);
 
 /** A process does not get a name, which an agent at another broker has, or (home "") one here. */
 void lifecycle_refuse_held(struct broker *b, uint32_t agent, uint32_t place, const char *home);

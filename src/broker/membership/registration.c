@@ -93,37 +93,38 @@ static bool outlived_a_broker(const struct broker *b, uint32_t agent, const stru
            !scope_is_inside(a->scope);
 }
 
-static void presence_admit(struct broker *b, uint32_t agent, uint32_t place, uint32_t slot,
-                           struct presence *is)
+static void claim_admit(struct broker *b, struct claim *c)
 {
-    const struct agent *a = &b->registry.agents[agent];
+    uint32_t agent = c->agent, place = c->process;
+    struct agent *a = &b->registry.agents[agent];
+    const struct presence *is = &c->presence;
     if (a->process != place && snapshots_overrule(b, agent, place, is)) {
         b->processes.at[place].overruled = true;
         return;
     }
-    bool is_other = a->resident.slot != slot ||
+    bool is_other = a->resident.slot != c->slot ||
                     (a->report != REPORT_AWAITED && a->is.since_wall_ns != is->since_wall_ns);
     if (a->process == place && is_other && !scope_is_inside(b->processes.at[place].scope)) {
-        b->registry.agents[agent].kept_until_ns = 0; /* the agent that it was kept for had come */
+        a->kept_until_ns = 0;       /* the agent that it was kept for had come */
         lifecycle_depart(b, agent); /* the name went to another agent of the same process */
     }
     if (a->process == MU_NONE && snapshots_have_later(b, agent, is->epoch)) {
         processes_refuse(&b->processes, place, a->name, muster_REFUSAL_OUT_OF_DATE, "out of date");
     } else if (is->newcomer && names_is_held(b, agent) && !lifecycle_is_copy(a, is)) {
-        lifecycle_claim(b, agent, place, slot, is);
+        lifecycle_claim(b, c);
     } else if (a->process == MU_NONE) {
-        lifecycle_seat(b, agent, place, slot, is);
+        lifecycle_seat(b, c);
         lifecycle_review(b, agent);
     } else if (a->process == place) {
-        lifecycle_reregister(b, agent, slot, is);
+        lifecycle_reregister(b, c);
     } else if (b->processes.at[a->process].kind == PROCESS_BROKER &&
                a->is.since_wall_ns == is->since_wall_ns) { /* it has moved here */
-        lifecycle_move(b, agent, place, slot, is);
+        lifecycle_move(b, c);
     } else if (outlived_a_broker(b, agent, is)) {
         lifecycle_refuse_held(b, agent, a->process, a->is.home);
-        lifecycle_move(b, agent, place, slot, is);
+        lifecycle_move(b, c);
     } else {
-        lifecycle_claim(b, agent, place, slot, is);
+        lifecycle_claim(b, c);
     }
 }
 
@@ -180,9 +181,9 @@ static void entry_take(struct broker *b, uint32_t place, const muster_Registrati
         processes_refuse(&b->processes, place, e->name, code, objection);
         return;
     }
-    struct presence is;
-    registration_presence(e, r->host, r->pid, &is);
-    presence_admit(b, agent, place, slot, &is);
+    struct claim claim = {.agent = agent, .process = place, .slot = slot};
+    registration_presence(e, r->host, r->pid, &claim.presence);
+    claim_admit(b, &claim);
 }
 
 /* Lets go of the agents of a part; if that is given, of those whose slots bear other names now. */

@@ -101,16 +101,16 @@ static bool is_at_home(const struct broker *b, const struct snapshot *c)
     return a->process != MU_NONE && strcmp(b->processes.at[a->process].name, c->home) == 0;
 }
 
-/* The agent is at its host from now on, in this slot. */
-static void seat_take(struct broker *b, struct snapshot *c, uint32_t agent, uint32_t slot,
-                      struct presence *is)
+/* The agent is at its host from now on. */
+static void seat_take(struct broker *b, struct snapshot *c, struct claim *to)
 {
     const struct agent *host = &b->registry.agents[c->host];
-    bool free = b->registry.agents[agent].process == MU_NONE;
-    is->pid = host->is.pid;
-    (void)mu_text_copy(is->host, sizeof is->host, host->name);
-    (free ? lifecycle_seat : lifecycle_move)(b, agent, c->target, slot, is);
-    b->registry.agents[agent].report = REPORT_AWAITED;
+    bool free = b->registry.agents[to->agent].process == MU_NONE;
+    to->process = c->target;
+    to->presence.pid = host->is.pid;
+    (void)mu_text_copy(to->presence.host, sizeof to->presence.host, host->name);
+    (free ? lifecycle_seat : lifecycle_move)(b, to);
+    b->registry.agents[to->agent].report = REPORT_AWAITED;
     b->snapshots.taken++;
     b->snapshots.holding--;
     c->seated = true;
@@ -138,10 +138,10 @@ static void seat_moved(struct broker *b, struct snapshot *c, uint32_t slot)
         seat_refuse(b, c, "gone");
         return;
     }
-    struct presence is = a->is;
-    is.epoch = c->epoch;
-    is.state = free ? c->state : is.state;
-    seat_take(b, c, c->agent, slot, &is);
+    struct claim to = {.agent = c->agent, .slot = slot, .presence = a->is};
+    to.presence.epoch = c->epoch;
+    to.presence.state = free ? c->state : a->is.state;
+    seat_take(b, c, &to);
 }
 
 static bool name_is_taken(const struct broker *b, const char *name)
@@ -161,9 +161,12 @@ static void seat_new(struct broker *b, struct snapshot *c, uint32_t slot)
         seat_refuse(b, c, wrong);
         return;
     }
-    struct presence is = {
-        .kind = muster_KIND_ROBOT, .state = c->state, .since_wall_ns = clock_wall_ns(&b->clock)};
-    seat_take(b, c, agent, slot, &is);
+    struct claim to = {.agent = agent,
+                       .slot = slot,
+                       .presence = {.kind = muster_KIND_ROBOT,
+                                    .state = c->state,
+                                    .since_wall_ns = clock_wall_ns(&b->clock)}};
+    seat_take(b, c, &to);
     snapshots_drop(b, c);
 }
 

@@ -248,10 +248,10 @@ void registry_line(const struct registry *r, uint32_t agent, const char *broker,
 enum { CLAIMS_MAX = REGISTRY_MAX };
 
 struct claim {
-    uint32_t agent;   /* whose name it is */
-    uint32_t process; /* that wants it, */
-    uint32_t slot;    /* for this agent of its own */
-    uint64_t until_ns;
+    uint32_t agent;    /* whose name it is */
+    uint32_t process;  /* that wants it, */
+    uint32_t slot;     /* for this agent of its own */
+    uint64_t until_ns; /* it waits so long */
     struct presence presence;
     struct mu_link behind; /* on the same name, in the order in which they came */
     struct mu_link link;   /* of all, in order of until_ns */

@@ -10,15 +10,12 @@
 /* @return false, said so: there is no such policy */
 static bool box_policy_read(const char *word, muster_BoxPolicy *policy)
 {
-    static const struct {
-        const char *word;
-        muster_BoxPolicy policy;
-    } policies[] = {{"refuse", muster_BOX_REFUSE_NEW},
-                    {"drop-oldest", muster_BOX_DROP_OLDEST},
-                    {"drop-lowest", muster_BOX_DROP_LOWEST}};
-    for (size_t i = 0; i < sizeof policies / sizeof policies[0]; i++) {
-        if (strcmp(word, policies[i].word) == 0) {
-            *policy = policies[i].policy;
+    static const char *const words[] = {[muster_BOX_REFUSE_NEW] = "refuse",
+                                        [muster_BOX_DROP_OLDEST] = "drop-oldest",
+                                        [muster_BOX_DROP_LOWEST] = "drop-lowest"};
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        if (strcmp(word, words[i]) == 0) {
+            *policy = (muster_BoxPolicy)i;
             return true;
         }
     }
