@@ -287,8 +287,7 @@ static int network_join(struct node *p, const struct mu_network *network)
         fprintf(stderr, "muster broker: domain %d has as many brokers on this host as it can\n",
                 (int)network->domain);
     }
-    bool on_loopback = config_is_loopback(network->interface);
-    opened = opened == MU_OK ? post_open(p, on_loopback) : opened;
+    opened = opened == MU_OK ? post_open(p, config_is_loopback(network->interface)) : opened;
     return mu_exit_for(opened);
 }
 
@@ -329,8 +328,8 @@ int main(int argc, char **argv)
     while (!mu_signal_came && !p->herald.yields) {
         post_round(p);
     }
-    beacon_close(&p->herald);
-    if (!p->herald.yields) {
+    if (!p->herald.yields) { /* disposed, both Beacons would be gone */
+        beacon_close(&p->herald);
         telemetry_close(&p->health, p->own.broker);
     }
     bus_close(&p->bus);

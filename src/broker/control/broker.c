@@ -88,15 +88,6 @@ void broker_gone(struct broker *b, const char *process, uint32_t part, bool cras
     }
 }
 
-/* The reader is there, perhaps another one than before: it is told everything again. */
-static void place_matched(struct broker *b, uint32_t place)
-{
-    struct process *at = &b->processes.at[place];
-    at->version_had = 0;
-    steps_role_on(b, place, ROLE_IS_OWED);
-    lifecycle_tell_again(b, place);
-}
-
 void broker_matched(struct broker *b, const char *process, bool matched, uint64_t now_ns)
 {
     broker_enter(b, now_ns);
@@ -105,13 +96,15 @@ void broker_matched(struct broker *b, const char *process, bool matched, uint64_
     if (place == MU_NONE) {
         return;
     }
+    struct process *at = &b->processes.at[place];
     processes_session_on(&b->processes, place, matched ? SESSION_MATCHED : SESSION_UNMATCHED);
     processes_turn_on(&b->processes, place, TURN_IS_RETRIED);
-    if (matched) {
-        place_matched(b, place);
+    if (matched) { /* perhaps by another reader than before: it is told everything again */
+        at->version_had = 0;
+        steps_role_on(b, place, ROLE_IS_OWED);
+        lifecycle_tell_again(b, place);
         return;
     }
-    struct process *at = &b->processes.at[place];
     PROCESSES_EACH_AGENT (b, agent, place) {
         mailbox_unwatch(&b->mailbox, agent);
     }

@@ -49,13 +49,10 @@ bool broker_page_news(struct broker *b, muster_Page *out)
     if (part == MU_NONE) {
         return false;
     }
-    uint32_t first = part * REGISTRY_PAGE;
-    uint32_t count = b->registry.count - first;
-    count = count < REGISTRY_PAGE ? count : REGISTRY_PAGE;
-    uint32_t lines = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        if (b->registry.agents[first + i].name[0] != '\0') {
-            line_write(b, first + i, b->page_text[lines]);
+    uint32_t first = part * REGISTRY_PAGE, lines = 0;
+    for (uint32_t i = first; i < first + REGISTRY_PAGE && i < b->registry.count; i++) {
+        if (b->registry.agents[i].name[0] != '\0') {
+            line_write(b, i, b->page_text[lines]);
             b->page[lines] = b->page_text[lines];
             lines++;
         }

@@ -104,7 +104,6 @@ static uint64_t verdict_number(struct broker *b, uint32_t agent)
 
 static void welcome_add(struct broker *b, struct dispatch_part *part, muster_Delivery *d)
 {
-    static char none[1];
     struct agent *a = &b->registry.agents[part->agent];
     part->verdict = a->bearer == BEARER_OWED;
     if (part->verdict) {
@@ -113,7 +112,7 @@ static void welcome_add(struct broker *b, struct dispatch_part *part, muster_Del
                              .accepted = true,
                              .last_seq = verdict_number(b, part->agent),
                              .broker_incarnation = b->incarnation,
-                             .reason = none};
+                             .reason = sample_text("")};
     }
 }
 

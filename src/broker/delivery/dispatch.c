@@ -54,6 +54,17 @@ static bool place_waits(struct broker *b, uint32_t place)
     return sleeps || pacing_hold(b, place);
 }
 
+/* All whose turn stands so are looked at again. */
+static void places_wake(struct broker *b, enum turn_state turn, enum turn_event event)
+{
+    for (uint32_t i = 0; i < b->processes.top; i++) {
+        if (b->processes.at[i].turn == turn) {
+            processes_turn_on(&b->processes, i, event);
+            processes_wake(&b->processes, i);
+        }
+    }
+}
+
 static void dispatch_wake(struct broker *b)
 {
     struct dispatch *c = &b->dispatch;
@@ -61,11 +72,8 @@ static void dispatch_wake(struct broker *b)
         return;
     }
     c->awake = true;
-    for (uint32_t i = 0; i < b->processes.top && b->processes.held > 0; i++) {
-        if (b->processes.at[i].turn == TURN_HELD) {
-            processes_turn_on(&b->processes, i, TURN_ROUND_BEGINS);
-            processes_wake(&b->processes, i);
-        }
+    if (b->processes.held > 0) {
+        places_wake(b, TURN_HELD, TURN_ROUND_BEGINS);
     }
 }
 
@@ -272,14 +280,8 @@ void broker_undelivered(struct broker *b)
 void dispatch_tick(struct broker *b)
 {
     pacing_tick(b);
-    if (b->processes.refused == 0 || b->dispatch.retry_ns > b->clock.now_ns) {
-        return;
-    }
-    for (uint32_t i = 0; i < b->processes.top; i++) {
-        if (b->processes.at[i].turn == TURN_REFUSED) {
-            processes_turn_on(&b->processes, i, TURN_IS_RETRIED);
-            processes_wake(&b->processes, i);
-        }
+    if (b->processes.refused > 0 && b->dispatch.retry_ns <= b->clock.now_ns) {
+        places_wake(b, TURN_REFUSED, TURN_IS_RETRIED);
     }
 }
 

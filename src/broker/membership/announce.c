@@ -9,8 +9,6 @@
 /* How often the first part is said again: as those of processes. */
 static const uint64_t HEARTBEAT_NS = 300000000;
 
-static char nothing[1];
-
 static struct mu_links due_links(struct federation *l)
 {
     return (struct mu_links){l->due, sizeof l->due[0]};
@@ -67,6 +65,7 @@ static void changelog_mark(struct broker *b)
 
 static muster_Entry entry_of(struct broker *b, uint32_t agent)
 {
+    char *nothing = sample_text("");
     struct agent *a = &b->registry.agents[agent];
     muster_Entry e = {.name = a->name,
                       .kind = a->is.kind,
@@ -114,9 +113,9 @@ bool broker_announcement(struct broker *b, muster_Registration *out)
                                  .part = part,
                                  .wire = muster_WIRE,
                                  .version = sample_text(MU_VERSION),
-                                 .broker = nothing,
+                                 .broker = sample_text(""),
                                  .incarnation = b->incarnation,
-                                 .host = sample_text(b->registry.agents[REGISTRY_BROKER].is.host),
+                                 .host = sample_text(""),
                                  .pid = b->registry.agents[REGISTRY_BROKER].is.pid,
                                  .is_broker = true,
                                  .agents = {count, count, l->entries, false}};

@@ -76,7 +76,5 @@ void beacon_tell(struct beacon *h, struct broker *b, struct outlets *bags)
 
 void beacon_close(struct beacon *h)
 {
-    if (!h->yields) { /* disposed, both would be gone */
-        bus_dispose(&h->beacon, &h->beacons.own);
-    }
+    bus_dispose(&h->beacon, &h->beacons.own);
 }

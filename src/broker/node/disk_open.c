@@ -201,11 +201,12 @@ static bool statements_prepare(struct disk *d)
     return true;
 }
 
-static bool scripts_run(struct disk *d, const char *const *scripts, size_t count)
+/* @param scripts  up to NULL */
+static bool scripts_run(struct disk *d, const char *const *scripts)
 {
     bool good = disk_run(d, "BEGIN IMMEDIATE");
-    for (size_t i = 0; i < count && good; i++) {
-        good = disk_run(d, scripts[i]);
+    for (; *scripts && good; scripts++) {
+        good = disk_run(d, *scripts);
     }
     return good && disk_run(d, "COMMIT");
 }
@@ -214,14 +215,10 @@ static bool scripts_run(struct disk *d, const char *const *scripts, size_t count
  * is as it was */
 static bool schema_set(struct disk *d, int64_t version)
 {
-    static const char *const make[] = {schema, disk_bundle_tables};
+    static const char *const make[] = {schema, disk_bundle_tables, NULL};
     static const char *const upgrade[] = {rename_mails, disk_bundle_tables, disk_bundle_upgrade,
-                                          upgraded};
-    if (version == DISK_SCHEMA) {
-        return true;
-    }
-    return version == 0 ? scripts_run(d, make, sizeof make / sizeof make[0])
-                        : scripts_run(d, upgrade, sizeof upgrade / sizeof upgrade[0]);
+                                          upgraded, NULL};
+    return version == DISK_SCHEMA || scripts_run(d, version == 0 ? make : upgrade);
 }
 
 /* A broker that was killed holds its store until the kernel has freed its files. */

@@ -136,7 +136,7 @@ void beacon_hear(struct beacon *h);
  */
 void beacon_tell(struct beacon *h, struct broker *b, struct outlets *bags);
 
-/** Takes the Beacon back; a broker that yields leaves it to the other one. */
+/** Takes the Beacon back; a broker that yields is to leave it to the other one. */
 void beacon_close(struct beacon *h);
 
 /* --- links.c --------------------------------------------------------------------------------- */
