@@ -1,6 +1,4 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/delivery/delivery.h"
-
 #include "broker/control/parts.h"
 
 /* --- the interval ----------------------------------------------------------------------------- */

@@ -1,6 +1,4 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/delivery/delivery.h"
-
 #include "broker/control/parts.h"
 
 void pacing_note_speaker(struct pacing *f, uint32_t place, uint64_t now_ns)

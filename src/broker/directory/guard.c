@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a trust policy asks of groups and services. */
-#include "broker/directory/directory.h"
-
 #include "broker/control/parts.h"
 
 static struct audit_record *record_of(struct broker *b, uint32_t sender, const char *performative,

@@ -1,6 +1,4 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "broker/directory/directory.h"
-
 #include "broker/control/parts.h"
 
 #include <stdio.h>
