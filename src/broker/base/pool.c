@@ -67,12 +67,8 @@ static void *record_take(struct pool *s, uint32_t size_class)
     return record;
 }
 
-void pool_release(struct pool *s, struct mail *m)
+void pool_free(struct pool *s, struct mail *m)
 {
-    MU_ASSERT(m->uses > 0);
-    if (--m->uses > 0) {
-        return;
-    }
     uint32_t index = (uint32_t)((size_t)((unsigned char *)m - s->memory) / POOL_SLAB_BYTES);
     struct pool_slab *slab = &s->slabs[index];
     void *record = m;
@@ -144,23 +140,6 @@ struct mail *pool_each(const struct pool *s, uint32_t *place)
         }
     }
     return NULL;
-}
-
-void pool_list_append(struct mail_list *list, struct mail *m)
-{
-    m->prev[list->kind] = list->last;
-    m->next[list->kind] = NULL;
-    *(list->last ? &list->last->next[list->kind] : &list->first) = m;
-    list->last = m;
-    list->count++;
-}
-
-void pool_list_remove(struct mail_list *list, struct mail *m)
-{
-    struct mail *prev = m->prev[list->kind], *next = m->next[list->kind];
-    *(prev ? &prev->next[list->kind] : &list->first) = next;
-    *(next ? &next->prev[list->kind] : &list->last) = prev;
-    list->count--;
 }
 
 struct mail *pool_list_pop(struct mail_list *list)

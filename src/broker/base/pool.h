@@ -211,6 +211,8 @@ static inline void pool_keep(struct mail *m)
     m->uses++;
 }
 
+void pool_free(struct pool *s, struct mail *m);
+
 /**
  * Goes through all mails that live.
  *
@@ -220,7 +222,13 @@ static inline void pool_keep(struct mail *m)
 struct mail *pool_each(const struct pool *s, uint32_t *place);
 
 /** Ends one use; the last one frees the mail. */
-void pool_release(struct pool *s, struct mail *m);
+static inline void pool_release(struct pool *s, struct mail *m)
+{
+    MU_ASSERT(m->uses > 0);
+    if (--m->uses == 0) {
+        pool_free(s, m);
+    }
+}
 
 /** @return the text, for a member of a sample: idlc makes none const, and nothing is written there
  */
@@ -240,9 +248,22 @@ const char *pool_mail_standing(const struct mail *m);
 bool pool_mail_go_on(struct mail *m, const char *word);
 
 /** Puts a mail, which stands in no list of that kind, last into one. */
-void pool_list_append(struct mail_list *list, struct mail *m);
+static inline void pool_list_append(struct mail_list *list, struct mail *m)
+{
+    m->prev[list->kind] = list->last;
+    m->next[list->kind] = NULL;
+    *(list->last ? &list->last->next[list->kind] : &list->first) = m;
+    list->last = m;
+    list->count++;
+}
 
-void pool_list_remove(struct mail_list *list, struct mail *m);
+static inline void pool_list_remove(struct mail_list *list, struct mail *m)
+{
+    struct mail *prev = m->prev[list->kind], *next = m->next[list->kind];
+    *(prev ? &prev->next[list->kind] : &list->first) = next;
+    *(next ? &next->prev[list->kind] : &list->last) = prev;
+    list->count--;
+}
 
 /** @return the first mail, which is taken out; NULL: there is none */
 struct mail *pool_list_pop(struct mail_list *list);
@@ -294,8 +315,15 @@ struct timers {
 /** Enters a mail for m->at_ns of this kind; equal times go by m->order. */
 void timers_add(struct timers *s, struct mail *m);
 
+void timers_take(struct timers *s, struct mail *m);
+
 /** Takes a mail out, if it is in. */
-void timers_remove(struct timers *s, struct mail *m);
+static inline void timers_remove(struct timers *s, struct mail *m)
+{
+    if (m->place[s->kind] != MU_NONE) {
+        timers_take(s, m);
+    }
+}
 
 /** @return the earliest mail, or NULL */
 static inline struct mail *timers_first(const struct timers *s)

@@ -43,12 +43,9 @@ void timers_add(struct timers *s, struct mail *m)
     heap_up(s, s->count++, m);
 }
 
-void timers_remove(struct timers *s, struct mail *m)
+void timers_take(struct timers *s, struct mail *m)
 {
     uint32_t i = m->place[s->kind];
-    if (i == MU_NONE) {
-        return;
-    }
     m->place[s->kind] = MU_NONE;
     struct mail *last = s->heap[--s->count];
     if (last == m) {

@@ -18,7 +18,8 @@ static void resend_tick(struct broker *b)
     while (resend_deadline_ns(b) <= b->clock.now_ns) {
         uint32_t agent = mu_list_first(&b->mailbox.watched);
         mailbox_repeat(&b->mailbox, agent);
-        names_tell_number(b, agent); /* what said so may be what was lost */
+        names_tell_number(&b->registry, &b->processes,
+                          agent); /* what said so may be what was lost */
         mailbox_watch(&b->mailbox, agent, b->clock.now_ns);
         processes_wake_agent(b, agent);
     }

@@ -46,7 +46,7 @@ static bool parcels_fill(struct broker *b, struct dispatch_part *part, struct di
         return true;
     }
     struct box *box = mailbox_box(&b->mailbox, agent);
-    enum mailbox_gate gate = names_gate(b, agent);
+    enum mailbox_gate gate = names_gate(&b->registry, &b->processes, agent);
     bool awake = is_awake(b);
     mailbox_hand_out(&b->mailbox, agent, awake || gate < GATE_URGENT ? gate : GATE_URGENT,
                      journal_room(&b->journal, &b->mailbox, agent));

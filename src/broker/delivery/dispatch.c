@@ -17,7 +17,7 @@ static bool box_is_urgent(struct broker *b, uint32_t agent)
     bool may_go = !mail_is_written(b->mailbox.posts[first].mail) ||
                   journal_room(&b->journal, &b->mailbox, agent) > 0;
     return may_go && box->lists[POST_FLIGHT].posts.count < MU_WINDOW_MAX + MAILBOX_RESERVE &&
-           names_gate(b, agent) != GATE_SHUT;
+           names_gate(&b->registry, &b->processes, agent) != GATE_SHUT;
 }
 
 /* What cannot wait: an answer to a registration, a directive, what goes out once more. */

@@ -49,9 +49,9 @@ static bool post_is_ready(struct broker *b, uint32_t post)
      * whatever follows it. */
     bool is_confirmed = box->acked > box->base && box->acked > a->seated_above;
     return a->process != MU_NONE && place_is_ready(b, &b->processes.at[a->process]) &&
-           a->bearer == BEARER_TOLD && is_confirmed && names_gate(b, agent) == GATE_OPEN &&
-           !scope_waits(a->scope) && box->out == MU_NONE &&
-           mailbox_next_is(&b->mailbox, agent, b->mailbox.posts[post].mail);
+           a->bearer == BEARER_TOLD && is_confirmed &&
+           names_gate(&b->registry, &b->processes, agent) == GATE_OPEN && !scope_waits(a->scope) &&
+           box->out == MU_NONE && mailbox_next_is(&b->mailbox, agent, b->mailbox.posts[post].mail);
 }
 
 static int box_compare(const void *x, const void *y, const void *context)

@@ -48,7 +48,7 @@ static bool post_put(struct broker *b, struct mail *m, uint32_t agent, bool held
 {
     uint32_t victim = MU_NONE;
     if (!b->mailbox.boxes[agent].begun) {
-        names_tell_number(b, agent);
+        names_tell_number(&b->registry, &b->processes, agent);
     }
     enum mailbox_room room = quota_box_ask(&b->mailbox, agent, m, &victim);
     for (; room == MAILBOX_ROOM_DROP; room = quota_box_ask(&b->mailbox, agent, m, &victim)) {
@@ -127,7 +127,7 @@ struct delivered deliver_put(struct broker *b, struct mail *m, struct recipients
         } else if (!post_put(b, m, agent, held)) {
             done.fits = done.fits && recipients_veils(&b->registry, m, agent);
         } else {
-            done.stored = done.stored || names_gate(b, agent) < needs;
+            done.stored = done.stored || names_gate(&b->registry, &b->processes, agent) < needs;
         }
     }
     if (m->posts.count < to->count || m->posts.count == 0 || to->veiled > 0) {

@@ -41,9 +41,9 @@ static struct mail **bucket_of(struct journal *j, uint32_t sender, uint64_t seq)
     return &j->buckets[(where + seq % BUCKETS_RUN) % JOURNAL_BUCKETS];
 }
 
-struct mail *journal_find(struct journal *j, uint32_t sender, uint64_t seq)
+struct mail *journal_look(struct journal *j, uint32_t sender, uint64_t seq)
 {
-    struct mail *m = j->on ? *bucket_of(j, sender, seq) : NULL;
+    struct mail *m = *bucket_of(j, sender, seq);
     while (m && (m->sender != sender || m->letter.seq != seq)) {
         m = m->journal_same;
     }
@@ -157,11 +157,8 @@ void journal_acknowledged(struct broker *b, uint32_t agent)
     box->unsaved++;
 }
 
-uint32_t journal_room(const struct journal *j, const struct mailbox *m, uint32_t agent)
+uint32_t journal_room_left(const struct journal *j, const struct mailbox *m, uint32_t agent)
 {
-    if (!j->failing) {
-        return UINT32_MAX;
-    }
     const struct box *box = &m->boxes[agent];
     uint32_t may_come_again = box->unsaved_commits == j->commits ? box->unsaved : 0;
     MU_LIST_EACH (post, &box->lists[POST_FLIGHT].posts, MU_LINKS(m->posts, links[LINKS_BOX])) {

@@ -121,13 +121,19 @@ void journal_note_ram(struct broker *b, const struct mail *m);
 /** An agent has acknowledged a mail that is on disk. */
 void journal_acknowledged(struct broker *b, uint32_t agent);
 
+uint32_t journal_room_left(const struct journal *j, const struct mailbox *m, uint32_t agent);
+
 /**
  * A receiver need not remember more than a window of mails that may come again, so no more go out
  * before its acknowledgements are on disk.
  *
  * @return how many mails of the store the agent may be handed now
  */
-uint32_t journal_room(const struct journal *j, const struct mailbox *m, uint32_t agent);
+static inline uint32_t journal_room(const struct journal *j, const struct mailbox *m,
+                                    uint32_t agent)
+{
+    return j->failing ? journal_room_left(j, m, agent) : UINT32_MAX;
+}
 
 /** A mail was not delivered, whether it stood in boxes or not: later lives do not say that it was.
  */
@@ -149,8 +155,13 @@ void journal_seq(struct broker *b, uint32_t agent);
 /** A durable mail that is on disk can be found. */
 void journal_enter(struct journal *j, struct mail *m);
 
+struct mail *journal_look(struct journal *j, uint32_t sender, uint64_t seq);
+
 /** @return a durable mail that waits, or NULL */
-struct mail *journal_find(struct journal *j, uint32_t sender, uint64_t seq);
+static inline struct mail *journal_find(struct journal *j, uint32_t sender, uint64_t seq)
+{
+    return j->on ? journal_look(j, sender, seq) : NULL;
+}
 
 /** @return the groups or the services */
 struct lines *journal_table(struct broker *b, enum lines_kind lines);

@@ -317,6 +317,15 @@ enum resolve_need {
     RESOLVE_FULL,    /* it would have to wait, and there is no room */
 };
 
+/** @return whether a mail is for no address, and follows none that waits */
+static inline bool resolve_is_plain(const struct resolve *r, const struct mail *m)
+{
+    bool was_asked = m->only != MU_NONE; /* by the broker that it came from */
+    return was_asked ||
+           (r->queues[m->sender].count == 0 && mu_address_kind(m->letter.dst) != MU_ADDRESS_SCHEME);
+}
+
+/** @param m  one that is not plain */
 enum resolve_need resolve_needs(const struct broker *b, const struct mail *m);
 
 /** Keeps a mail that has to wait, booked with one place, and asks if it is the one to resolve. */

@@ -139,7 +139,7 @@ void outcome_acknowledge(struct broker *b, uint32_t agent, uint64_t number)
     if (!box->begun || number <= box->acked) {
         return;
     }
-    bool beyond = names_is_beyond(b, agent);
+    bool beyond = names_is_beyond(&b->registry, &b->processes, agent);
     while (box->acked < number) {
         struct mail *m = mailbox_pop(&b->mailbox, agent);
         if (mail_is_written(m)) {

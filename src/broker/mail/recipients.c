@@ -105,7 +105,7 @@ void recipients_of_letter(struct broker *b, const muster_Mail *letter, uint32_t 
         if (!registry_is_own(agent) && agent != sender && a->process != MU_NONE &&
             kind_is_addressed(kind, a->is.kind) &&
             !(kind == MU_ADDRESS_ALL && a->is.no_broadcasts && letter->layer != 0) &&
-            !(inside && names_is_beyond(b, agent))) {
+            !(inside && names_is_beyond(&b->registry, &b->processes, agent))) {
             to->agents[to->count++] = agent;
         }
     }
@@ -150,7 +150,8 @@ static uint32_t agent_named(const struct broker *b, const struct mail *question)
 static uint32_t desk_of(const struct broker *b, const struct mail *m)
 {
     uint32_t agent = agent_named(b, m);
-    bool is_elsewhere = agent != MU_NONE && agent != m->sender && names_is_beyond(b, agent) &&
+    bool is_elsewhere = agent != MU_NONE && agent != m->sender &&
+                        names_is_beyond(&b->registry, &b->processes, agent) &&
                         !view_inside(b, m->sender);
     return is_elsewhere ? agent : REGISTRY_BROKER;
 }

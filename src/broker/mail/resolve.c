@@ -18,12 +18,10 @@ enum resolve_need resolve_needs(const struct broker *b, const struct mail *m)
 {
     const struct resolve *r = &b->resolve;
     const struct mu_list *queue = &r->queues[m->sender];
-    bool was_asked = m->only != MU_NONE; /* by the broker that it came from */
     bool is_address = mu_address_kind(m->letter.dst) == MU_ADDRESS_SCHEME;
     /* No address stands for the broker, and a resolver's answers must not wait for each other. */
     bool follows = queue->count > 0 && strcmp(m->letter.dst, "broker") != 0;
-    bool waits = follows || (is_address && view_resolver(b, m->letter.dst) != MU_NONE);
-    if (was_asked || !waits) {
+    if (!follows && !(is_address && view_resolver(b, m->letter.dst) != MU_NONE)) {
         return RESOLVE_NOTHING;
     }
     enum quota_side side = scope_account(b->registry.agents[m->sender].scope);

@@ -35,35 +35,6 @@ void names_changed(struct broker *b)
     b->processes.all_awake = true;
 }
 
-bool names_is_beyond(const struct broker *b, uint32_t agent)
-{
-    uint32_t place = b->registry.agents[agent].process;
-    return place != MU_NONE && b->processes.at[place].kind == PROCESS_BROKER;
-}
-
-enum mailbox_gate names_gate(const struct broker *b, uint32_t agent)
-{
-    const struct agent *a = &b->registry.agents[agent];
-    if (a->process == MU_NONE) {
-        return GATE_SHUT;
-    }
-    switch (a->is.state) {
-    case muster_STATE_STANDBY:
-    case muster_STATE_RUNNING: return GATE_OPEN;
-    case muster_STATE_SUSPENDED: return names_is_beyond(b, agent) ? GATE_OPEN : GATE_URGENT;
-    case muster_STATE_MOVING: return names_is_beyond(b, agent) ? GATE_OPEN : GATE_SHUT;
-    case muster_STATE_ABSENT: break;
-    }
-    return GATE_SHUT;
-}
-
-void names_tell_number(struct broker *b, uint32_t agent)
-{
-    if (names_is_beyond(b, agent)) {
-        names_bearer_on(&b->registry, agent, BEARER_OWES);
-    }
-}
-
 bool names_is_held(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];

@@ -284,11 +284,31 @@ enum { NAMES_HOLD_NS = 1500000000 };
 void names_bearer_on(struct registry *r, uint32_t agent, enum bearer_event event);
 
 /** @return whether the agent lives beyond another broker */
-bool names_is_beyond(const struct broker *b, uint32_t agent);
+static inline bool names_is_beyond(const struct registry *r, const struct processes *p,
+                                   uint32_t agent)
+{
+    uint32_t place = r->agents[agent].process;
+    return place != MU_NONE && p->at[place].kind == PROCESS_BROKER;
+}
 
 /** @return what may be handed to the agent just now; mail for one beyond another broker waits there
  */
-enum mailbox_gate names_gate(const struct broker *b, uint32_t agent);
+static inline enum mailbox_gate names_gate(const struct registry *r, const struct processes *p,
+                                           uint32_t agent)
+{
+    const struct agent *a = &r->agents[agent];
+    if (a->process == MU_NONE) {
+        return GATE_SHUT;
+    }
+    switch (a->is.state) {
+    case muster_STATE_STANDBY:
+    case muster_STATE_RUNNING: return GATE_OPEN;
+    case muster_STATE_SUSPENDED: return names_is_beyond(r, p, agent) ? GATE_OPEN : GATE_URGENT;
+    case muster_STATE_MOVING: return names_is_beyond(r, p, agent) ? GATE_OPEN : GATE_SHUT;
+    case muster_STATE_ABSENT: break;
+    }
+    return GATE_SHUT;
+}
 
 /** Its bearer was lost with a broker, or is on its way to another platform, and may come by itself:
  * for a while newcomers wait. */
@@ -296,7 +316,12 @@ void names_hold(struct broker *b, uint32_t agent);
 
 /** The broker at which an agent lives, if it is another one, is to know after which number its box
  * goes on: it takes none that does not follow. */
-void names_tell_number(struct broker *b, uint32_t agent);
+static inline void names_tell_number(struct registry *r, const struct processes *p, uint32_t agent)
+{
+    if (names_is_beyond(r, p, agent)) {
+        names_bearer_on(r, agent, BEARER_OWES);
+    }
+}
 
 /** @return when a process that begins to wait now has waited long enough */
 uint64_t names_hold_end_ns(const struct broker *b);

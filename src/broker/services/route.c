@@ -249,7 +249,8 @@ static void mails_pump(struct broker *b, uint32_t sender)
 
 bool route_mail(struct broker *b, struct mail *m)
 {
-    enum resolve_need need = resolve_needs(b, m);
+    bool plain = resolve_is_plain(&b->resolve, m);
+    enum resolve_need need = plain ? RESOLVE_NOTHING : resolve_needs(b, m);
     if (need == RESOLVE_NOTHING) {
         return mail_go_on(b, m, NULL);
     }
