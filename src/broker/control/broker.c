@@ -154,6 +154,13 @@ static bool mail_is_next(struct broker *b, uint32_t sender, uint64_t first_seq, 
     return true;
 }
 
+static void bearer_heard(struct broker *b, uint32_t agent, uint32_t place)
+{
+    if (b->snapshots.count > 0) {
+        snapshots_heard(b, agent, place);
+    }
+}
+
 static void act_take(struct broker *b, uint32_t place, const muster_Act *act,
                      enum steps_effect effect)
 {
@@ -164,7 +171,7 @@ static void act_take(struct broker *b, uint32_t place, const muster_Act *act,
     }
     if (effect == STEPS_INSIDE) {
         steps_keep_state(&b->steps, agent, act->state);
-        snapshots_heard(b, agent, place);
+        bearer_heard(b, agent, place);
     } else if (act->replays) {
         effect = STEPS_REPLAY;
     }
@@ -189,7 +196,7 @@ static void ack_take(struct broker *b, uint32_t place, const muster_Ack *ack)
         b->counters.malformed += b->processes.at[place].kind != PROCESS_BROKER;
         return;
     }
-    snapshots_heard(b, agent, place);
+    bearer_heard(b, agent, place);
     if (scope_is_inside(b->processes.at[place].scope)) {
         steps_keep_ack(&b->steps, agent, ack->number);
     } else {

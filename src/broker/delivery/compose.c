@@ -267,7 +267,9 @@ bool compose_fill(struct broker *b, uint32_t place, muster_Delivery *d)
     if (is_paced(b)) { /* in which order they changed depends on the wall clock */
         mu_sort(c->members, d->members._length, sizeof c->members[0], member_compare, NULL);
     }
-    view_fill(b, at, d);
+    if (view_open(&b->pages, at)) {
+        view_fill(b, at, d);
+    }
     outside_fill(b, d);
     return is_paced(b) || d->parcels._length || d->receipts._length || d->verdicts._length ||
            d->members._length || d->memberships._length || d->offers._length || d->roll_call;

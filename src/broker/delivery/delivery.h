@@ -95,8 +95,16 @@ struct pacing {
     struct mu_list held;                             /* places, the first to be woken first */
 };
 
+void pacing_bring_forward(struct pacing *f, uint32_t place);
+
 /** An agent of this place has sent mail. */
-void pacing_note_speaker(struct pacing *f, uint32_t place, uint64_t now_ns);
+static inline void pacing_note_speaker(struct pacing *f, uint32_t place, uint64_t now_ns)
+{
+    if (f->speakers[0].place != place) {
+        pacing_bring_forward(f, place);
+    }
+    f->speakers[0].spoke_ns = now_ns;
+}
 
 /** @return whether the last Delivery to a place may have been a part of a flood */
 static inline bool pacing_is_due(const struct process *at)

@@ -127,7 +127,8 @@ bool broker_next(struct broker *b, const char **process, muster_Delivery *d)
         }
         b->dispatch.open = place;
         *process = at->name;
-        if (compose_fill_word(b, place, d)) {
+        if (b->snapshots.words_count + b->probes.words_count > 0 &&
+            compose_fill_word(b, place, d)) {
             return true;
         }
         if (!place_waits(b, place)) {

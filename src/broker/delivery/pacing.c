@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/control/parts.h"
 
-void pacing_note_speaker(struct pacing *f, uint32_t place, uint64_t now_ns)
+void pacing_bring_forward(struct pacing *f, uint32_t place)
 {
     struct pacing_speaker *s = f->speakers;
     uint32_t i = 0;
@@ -11,7 +11,7 @@ void pacing_note_speaker(struct pacing *f, uint32_t place, uint64_t now_ns)
     for (; i > 0; i--) {
         s[i] = s[i - 1];
     }
-    s[0] = (struct pacing_speaker){.place = place, .spoke_ns = now_ns};
+    s[0].place = place;
 }
 
 /* @return whether any process but the two ends of a flood has mail under way */

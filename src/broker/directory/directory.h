@@ -259,6 +259,14 @@ static inline bool view_has_told(const struct pages *p, const struct process *at
            changelog_after(&p->services.changes, at->services_had) == MU_NONE;
 }
 
+/** A Delivery begins.  @return whether view_fill may have something to add */
+static inline bool view_open(struct pages *p, const struct process *at)
+{
+    p->groups.open = at->groups_had;
+    p->services.open = at->services_had;
+    return !view_has_told(p, at);
+}
+
 /** @return the lease of a line as others are to have it, which count it from its stamp by the wall
  */
 uint64_t view_lease_ns(const struct broker *b, uint32_t line);

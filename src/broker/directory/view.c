@@ -108,8 +108,6 @@ static void offers_fill(struct broker *b, const struct process *at, muster_Deliv
 
 void view_fill(struct broker *b, const struct process *at, muster_Delivery *d)
 {
-    b->pages.groups.open = at->groups_had;
-    b->pages.services.open = at->services_had;
     if (view_place_is_told(at)) {
         memberships_fill(&b->pages.groups, at, d);
         offers_fill(b, at, d);
