@@ -7,7 +7,7 @@ Names of the wire and of headers of modules that still have a word stay.
 import re
 
 # Modules in which none of their words is left.
-CURED = {"agent", "host", "mind", "monitor", "planner", "runtime", "sim", "world"}
+CURED = {"agent", "broker", "host", "mind", "monitor", "planner", "runtime", "sim", "world"}
 TEXT = re.compile(r'"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'')
 COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.S)
 PERSON = re.compile(r"\b(?:[Ww]ho(?:m|ever)?|[Ss]ome(?:body|one)|[Nn]obody|[Hh](?:e|im|is))\b")

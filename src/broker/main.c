@@ -31,9 +31,9 @@ struct node {
     struct bus_reader registrations, ups, rosters;
     struct bus_writer pages, events;
     struct telemetry health;
-    struct beacon herald;
+    struct beacon beacon;
     struct links peers;
-    struct outlets bags;
+    struct outlets outlets;
     const muster_Roster *roster;        /* on loan, waits until all of its processes were heard */
     uint64_t roster_ns;                 /* since when */
     char simulator[MU_PROCESS_MAX + 1]; /* of the last roster: it gets mail and sends none */
@@ -54,10 +54,10 @@ static mu_result post_open(struct node *p, bool on_loopback)
     MU_TRY(bus_reader_open(&p->bus, BUS_ROSTER, NULL, &p->rosters));
     MU_TRY(bus_writer_open(&p->bus, BUS_PAGES, NULL, NULL, &p->pages));
     MU_TRY(bus_writer_open(&p->bus, BUS_BROKER_EVENT, NULL, NULL, &p->events));
-    MU_TRY(outlets_open(&p->bags, &p->bus, b, &p->ups, on_loopback));
+    MU_TRY(outlets_open(&p->outlets, &p->bus, b, &p->ups, on_loopback));
     MU_TRY(links_open(&p->peers, &p->bus, b->place));
     MU_TRY(telemetry_open(&p->health, &p->bus));
-    return beacon_open(&p->herald, &p->bus, b);
+    return beacon_open(&p->beacon, &p->bus, b);
 }
 
 /* --- in --------------------------------------------------------------------------------------- */
@@ -68,12 +68,12 @@ static mu_result post_open(struct node *p, bool on_loopback)
 static bool roster_is_heard(struct node *p, const muster_Roster *roster)
 {
     for (uint32_t i = 0; roster->lockstep && i < roster->processes._length; i++) {
-        const struct outlet *bag = outlets_find(&p->bags, roster->processes._buffer[i]);
-        if (!bag || bag->heard_ns == 0 || !bus_drain(&bag->writer, 0)) {
+        const struct outlet *outlet = outlets_find(&p->outlets, roster->processes._buffer[i]);
+        if (!outlet || outlet->heard_ns == 0 || !bus_drain(&outlet->writer, 0)) {
             return false;
         }
     }
-    return !roster->lockstep || !p->bags.once || bus_drain(&p->bags.circulars, 0);
+    return !roster->lockstep || !p->outlets.once || bus_drain(&p->outlets.multicasts, 0);
 }
 
 /* The end of a roster has the simulator's name alone. */
@@ -114,9 +114,9 @@ static void ups_take(struct node *p)
         if (life != BUS_DATA) {
             continue;
         }
-        struct outlet *bag = outlets_find(&p->bags, up->process);
-        if (bag) {
-            bag->heard_ns = mu_clock_ns();
+        struct outlet *outlet = outlets_find(&p->outlets, up->process);
+        if (outlet) {
+            outlet->heard_ns = mu_clock_ns();
         }
         broker_up(p->own.broker, up, post_now(p));
     }
@@ -166,7 +166,7 @@ static bool deliveries_write(struct node *p)
     muster_Delivery delivery;
     bool all = true;
     while (broker_next(p->own.broker, &process, &delivery)) {
-        const struct bus_writer *writer = outlets_writer(&p->bags, process);
+        const struct bus_writer *writer = outlets_writer(&p->outlets, process);
         if (!writer || bus_write(writer, &delivery) != MU_OK) {
             broker_undelivered(p->own.broker);
             all = false;
@@ -238,14 +238,14 @@ static void store_write(struct node *p)
 
 static void post_round(struct node *p)
 {
-    beacon_hear(&p->herald);
-    beacon_tell(&p->herald, p->own.broker, &p->bags);
-    links_follow(&p->peers, &p->herald.beacons.others, p->own.broker, post_now(p));
+    beacon_hear(&p->beacon);
+    beacon_tell(&p->beacon, p->own.broker, &p->outlets);
+    links_follow(&p->peers, &p->beacon.beacons.others, p->own.broker, post_now(p));
     p->unmatched = post_take(p) || p->unmatched;
     bool look = mu_clock_ns() - p->looked_ns >= LOOK_NS;
     if (look || p->unmatched) {
-        outlets_follow(&p->bags);
-        p->unmatched = outlets_look(&p->bags, p->simulator, look, post_now(p));
+        outlets_follow(&p->outlets);
+        p->unmatched = outlets_look(&p->outlets, p->simulator, look, post_now(p));
     }
     bool impatient = p->unmatched;
     broker_tick(p->own.broker, post_now(p));
@@ -268,11 +268,11 @@ static void post_round(struct node *p)
 /* No process is answered while another broker of this name may be there. */
 static void doubt_settle(struct node *p, bool is_lone)
 {
-    struct beacon *h = &p->herald;
+    struct beacon *h = &p->beacon;
     uint64_t until_ns = post_now(p) + DOUBT_NS;
     while (!is_lone && !h->yields && !mu_signal_came && post_now(p) < until_ns) {
         beacon_hear(h);
-        beacon_tell(h, p->own.broker, &p->bags);
+        beacon_tell(h, p->own.broker, &p->outlets);
         bus_wait(&p->bus, 1, IMPATIENT_NS);
     }
     h->sure = true;
@@ -325,16 +325,16 @@ int main(int argc, char **argv)
     doubt_settle(p, network->peers.count == 0 && bus_is_lone_broker(&p->bus, (int)network->domain));
     mu_log(MU_LOG_INFO, "broker-is-up", "name=%s domain=%d index=%d", settings.name,
            (int)network->domain, p->bus.index);
-    while (!mu_signal_came && !p->herald.yields) {
+    while (!mu_signal_came && !p->beacon.yields) {
         post_round(p);
     }
-    if (!p->herald.yields) { /* disposed, both Beacons would be gone */
-        beacon_close(&p->herald);
+    if (!p->beacon.yields) { /* disposed, both Beacons would be gone */
+        beacon_close(&p->beacon);
         telemetry_close(&p->health, p->own.broker);
     }
     bus_close(&p->bus);
     if (p->own.disk) {
         disk_close(p->own.disk);
     }
-    return p->herald.yields ? MU_EXIT_DDS : MU_EXIT_DONE;
+    return p->beacon.yields ? MU_EXIT_DDS : MU_EXIT_DONE;
 }

@@ -207,7 +207,7 @@ uint64_t limiter_deadline_ns(const struct limiter *p);
 
 enum { EVENTS_PAUSE_NS = 100000000 };
 
-enum alert_kind { ALERT_BOX_FULL, ALERT_DROPPED, ALERT_OVER_SHARE, ALERT_REFUSED, ALERT_KINDS };
+enum alert_kind { ALERT_BOX_FULL, ALERT_DROPPED, ALERT_OVER_QUOTA, ALERT_REFUSED, ALERT_KINDS };
 
 struct alert {
     uint32_t agent;  /* whose box; the broker itself: its store, or its trust policy */

@@ -3,27 +3,27 @@
 
 #include "muster/memory.h"
 
-/* --- shares of senders ------------------------------------------------------------------------ */
+/* --- quotas of senders ------------------------------------------------------------------------ */
 
-static uint32_t share_get(struct mailbox_shares *p, uint32_t box, uint32_t sender)
+static uint32_t quota_get(struct mailbox_quotas *p, uint32_t box, uint32_t sender)
 {
-    uint32_t pair = mailbox_share_find(p, box, sender);
+    uint32_t pair = mailbox_quota_find(p, box, sender);
     if (pair != MU_NONE) {
         return pair;
     }
     pair = mu_pool_take(&p->pool);
     MU_ASSERT(pair != MU_NONE); /* each has a post */
-    uint32_t *head = mailbox_share_head(p, box, sender);
-    p->at[pair] = (struct mailbox_share){.box = box, .sender = sender, .next = *head};
+    uint32_t *head = mailbox_quota_head(p, box, sender);
+    p->at[pair] = (struct mailbox_quota){.box = box, .sender = sender, .next = *head};
     *head = pair + 1;
     return pair;
 }
 
-static void share_drop(struct mailbox_shares *p, uint32_t pair)
+static void quota_drop(struct mailbox_quotas *p, uint32_t pair)
 {
-    struct mailbox_share *gone = &p->at[pair];
+    struct mailbox_quota *gone = &p->at[pair];
     MU_ASSERT(gone->use.mails == 0 && gone->use.bytes == 0);
-    uint32_t *link = mailbox_share_head(p, gone->box, gone->sender);
+    uint32_t *link = mailbox_quota_head(p, gone->box, gone->sender);
     while (*link != pair + 1) {
         link = &p->at[*link - 1].next;
     }
@@ -37,8 +37,8 @@ void mailbox_init(struct mailbox *m)
 {
     mu_pool_init(&m->posts_pool, QUOTA_POSTS_MAX);
     m->posts = mu_startup_array(QUOTA_POSTS_MAX, sizeof *m->posts);
-    mu_pool_init(&m->shares.pool, QUOTA_POSTS_MAX);
-    m->shares.at = mu_startup_array(QUOTA_POSTS_MAX, sizeof *m->shares.at);
+    mu_pool_init(&m->quotas.pool, QUOTA_POSTS_MAX);
+    m->quotas.at = mu_startup_array(QUOTA_POSTS_MAX, sizeof *m->quotas.at);
 }
 
 void mailbox_end(struct mailbox *m, uint32_t agent)
@@ -77,7 +77,7 @@ static struct post_queue *pair_queue(struct mailbox *m, uint32_t post)
 {
     const struct post *p = &m->posts[post];
     bool may_be_dropped = p->list >= POST_LOW && p->list <= POST_HIGH;
-    return may_be_dropped ? &m->shares.at[p->pair].waiting[p->list - POST_LOW] : NULL;
+    return may_be_dropped ? &m->quotas.at[p->pair].waiting[p->list - POST_LOW] : NULL;
 }
 
 static void list_put(struct mailbox *m, struct box *box, uint32_t post, enum post_list list,
@@ -108,9 +108,9 @@ static void post_give(struct mailbox *m, uint32_t post)
     struct quota_use less = {.mails = 1, .bytes = p->mail->bytes};
     p->mail->veiled -= p->veiled;
     quota_subtract(&m->boxes[p->agent].use, &less);
-    quota_subtract(&m->shares.at[p->pair].use, &less);
-    if (m->shares.at[p->pair].use.mails == 0) {
-        share_drop(&m->shares, p->pair);
+    quota_subtract(&m->quotas.at[p->pair].use, &less);
+    if (m->quotas.at[p->pair].use.mails == 0) {
+        quota_drop(&m->quotas, p->pair);
     }
     (void)mu_list_remove(&p->mail->posts, links_of(m, LINKS_MAIL), post);
     p->mail = NULL;
@@ -131,11 +131,11 @@ mu_result mailbox_put(struct mailbox *m, uint32_t agent, struct mail *mail, bool
         return MU_FULL;
     }
     m->posts[post] = (struct post){
-        .mail = mail, .agent = agent, .pair = share_get(&m->shares, agent, mail->payer)};
+        .mail = mail, .agent = agent, .pair = quota_get(&m->quotas, agent, mail->payer)};
     (void)mu_list_prepend(&mail->posts, links_of(m, LINKS_MAIL), post);
     struct quota_use more = {.mails = 1, .bytes = mail->bytes};
     quota_add(&box->use, &more);
-    quota_add(&m->shares.at[m->posts[post].pair].use, &more);
+    quota_add(&m->quotas.at[m->posts[post].pair].use, &more);
     list_put(m, box, post, held ? POST_HELD : mailbox_queue(mail), false);
     return MU_OK;
 }

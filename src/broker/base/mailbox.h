@@ -11,7 +11,7 @@
 /* --- mailbox.c ------------------------------------------------------------------------------- */
 
 /*
- * What each sender has in each box: a share for each pair of them.
+ * What each sender has in each box: a quota for each pair of them.
  *
  * A pair stands here as long as the sender has a post in the box, so that there are never more
  * pairs than posts.  They are found by a hash that keeps the pairs of one box close together:
@@ -19,7 +19,7 @@
  */
 
 /* The queues of mail that waits, apart from directives: low, normal, high. */
-enum { MAILBOX_SHARE_QUEUES = 3 };
+enum { MAILBOX_QUOTA_QUEUES = 3 };
 
 /* A list of posts, and what they take. */
 struct post_queue {
@@ -27,29 +27,29 @@ struct post_queue {
     uint32_t bytes;
 };
 
-struct mailbox_share {
+struct mailbox_quota {
     uint32_t box, sender;
     uint32_t next; /* with the same hash */
     struct quota_use use;
-    struct post_queue waiting[MAILBOX_SHARE_QUEUES]; /* the sender's part of the box's queues */
+    struct post_queue waiting[MAILBOX_QUOTA_QUEUES]; /* the sender's part of the box's queues */
 };
 
-struct mailbox_shares {
-    struct mailbox_share *at; /* QUOTA_POSTS_MAX of them */
+struct mailbox_quotas {
+    struct mailbox_quota *at; /* QUOTA_POSTS_MAX of them */
     struct mu_pool pool;
     uint32_t heads[MU_POSTS_MAX]; /* of the lists of each hash: an index and one, or 0 */
 };
 
 /* Fibonacci hashing scatters the boxes; neighbours among the senders stay neighbours. */
-static inline uint32_t *mailbox_share_head(struct mailbox_shares *p, uint32_t box, uint32_t sender)
+static inline uint32_t *mailbox_quota_head(struct mailbox_quotas *p, uint32_t box, uint32_t sender)
 {
     return &p->heads[(box * 2654435769u ^ sender) % MU_POSTS_MAX];
 }
 
 /** @return the pair, or MU_NONE: the sender has nothing there */
-static inline uint32_t mailbox_share_find(struct mailbox_shares *p, uint32_t box, uint32_t sender)
+static inline uint32_t mailbox_quota_find(struct mailbox_quotas *p, uint32_t box, uint32_t sender)
 {
-    uint32_t next = *mailbox_share_head(p, box, sender);
+    uint32_t next = *mailbox_quota_head(p, box, sender);
     while (next != 0 && (p->at[next - 1].box != box || p->at[next - 1].sender != sender)) {
         next = p->at[next - 1].next;
     }
@@ -118,7 +118,7 @@ struct mailbox {
     struct box boxes[REGISTRY_MAX];
     struct mu_list watched; /* those that wait for an acknowledgement; the one without progress for
                                longest is the first */
-    struct mailbox_shares shares;
+    struct mailbox_quotas quotas;
     struct box_limits limits; /* of boxes that have none of their own */
 };
 
@@ -248,7 +248,7 @@ enum mailbox_room {
     MAILBOX_ROOM_FITS,
     MAILBOX_ROOM_DROP, /* another mail has to go first; then ask again */
     MAILBOX_ROOM_FULL,
-    MAILBOX_ROOM_OVER_SHARE
+    MAILBOX_ROOM_OVER_QUOTA
 };
 
 /**

@@ -160,7 +160,7 @@ struct mail {
     struct quota_use booked;        /* on its sender's account */
     struct quota_use booked_veiled; /* for those outside, on its sender's account there */
     uint8_t size_class;             /* of the pool */
-    uint8_t side;                   /* enum share_side: the account on which it is booked */
+    uint8_t side;                   /* enum quota_side: the account on which it is booked */
     uint8_t answer;                 /* muster_Outcome: the last word, if its sender was told that */
     enum mail_told told : 8;
     enum mail_fate fate : 8;

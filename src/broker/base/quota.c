@@ -38,7 +38,7 @@ enum { FLOOR_BYTES_PART = 8 };
 /* A box and one sender, as the mail finds them. */
 struct asked {
     struct quota_use own, all, want, most, floor;
-    const struct post_queue *own_waiting; /* MAILBOX_SHARE_QUEUES of them, or NULL */
+    const struct post_queue *own_waiting; /* MAILBOX_QUOTA_QUEUES of them, or NULL */
     const struct post_queue *all_waiting; /* likewise */
     uint32_t queues; /* the mail may drop others from so many, beginning with the lowest */
     bool lowest;     /* and from that first, however old the others are */
@@ -62,14 +62,14 @@ static struct asked ask_begin(struct mailbox *m, uint32_t agent, const struct ma
         .all_waiting = &box->lists[POST_LOW],
         .lowest = limits.policy == muster_BOX_DROP_LOWEST,
     };
-    uint32_t pair = mailbox_share_find(&m->shares, agent, mail->payer);
+    uint32_t pair = mailbox_quota_find(&m->quotas, agent, mail->payer);
     if (pair != MU_NONE) {
-        ask.own = m->shares.at[pair].use;
-        ask.own_waiting = m->shares.at[pair].waiting;
+        ask.own = m->quotas.at[pair].use;
+        ask.own_waiting = m->quotas.at[pair].waiting;
     }
     switch (limits.policy) {
     case muster_BOX_REFUSE_NEW: break;
-    case muster_BOX_DROP_OLDEST: ask.queues = MAILBOX_SHARE_QUEUES; break;
+    case muster_BOX_DROP_OLDEST: ask.queues = MAILBOX_QUOTA_QUEUES; break;
     case muster_BOX_DROP_LOWEST: ask.queues = (uint32_t)(mailbox_queue(mail) - POST_LOW) + 1; break;
     }
     return ask;
@@ -136,5 +136,5 @@ enum mailbox_room quota_box_ask(struct mailbox *m, uint32_t agent, const struct 
         *victim = victim_of(m, &ask, from);
         return MAILBOX_ROOM_DROP;
     }
-    return answer == QUOTA_OVER ? MAILBOX_ROOM_OVER_SHARE : MAILBOX_ROOM_FULL;
+    return answer == QUOTA_OVER ? MAILBOX_ROOM_OVER_QUOTA : MAILBOX_ROOM_FULL;
 }

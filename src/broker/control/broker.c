@@ -51,7 +51,7 @@ struct broker *broker_open(const struct broker_options *options)
     mu_pool_init(&b->resolve.pool, RESOLVE_WAITS);
     b->resolve.soonest_ns = UINT64_MAX;
     trust_init(&b->trust);
-    guard_attach(b);
+    authorize_attach(b);
     b->audit.on = options->audit;
     dispatch_set_interval(b, options->delivery_interval_ns);
     b->federation.peers = mu_startup_array(MU_BROKERS_MAX, sizeof *b->federation.peers);

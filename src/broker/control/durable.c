@@ -270,7 +270,7 @@ static bool restore_clock(struct broker *b, const struct journal_entry *e)
     return true;
 }
 
-static bool restore_capsule(struct broker *b, const struct journal_entry *e)
+static bool restore_snapshot(struct broker *b, const struct journal_entry *e)
 {
     uint32_t agent = agent_named(b, e->name);
     return agent != MU_NONE && e->epoch <= JOURNAL_NUMBER_MAX && e->snapshot &&
@@ -284,7 +284,7 @@ bool durable_restore(struct broker *b, const struct journal_entry *entry)
     case JOURNAL_MAIL: return restore_mail(b, entry);
     case JOURNAL_LINE: return restore_line(b, entry);
     case JOURNAL_CLOCK: return restore_clock(b, entry);
-    case JOURNAL_SNAPSHOT: return restore_capsule(b, entry);
+    case JOURNAL_SNAPSHOT: return restore_snapshot(b, entry);
     case JOURNAL_WAITING:
     case JOURNAL_GONE:
     case JOURNAL_RESET: break;

@@ -63,7 +63,7 @@ void step_answered(struct broker *b, uint32_t place)
 
 /* --- the roster ------------------------------------------------------------------------------- */
 
-static void place_enter(struct broker *b, uint32_t place)
+static void process_enter(struct broker *b, uint32_t place)
 {
     steps_role_on(b, place, ROLE_JOINS);
     PROCESSES_EACH_AGENT (b, agent, place) {
@@ -73,7 +73,7 @@ static void place_enter(struct broker *b, uint32_t place)
 }
 
 /* The lock step lets go of a process; it has what it owes, or that is not wanted any more. */
-static void place_leave(struct broker *b, uint32_t place)
+static void process_leave(struct broker *b, uint32_t place)
 {
     struct process *at = &b->processes.at[place];
     steps_role_on(b, place, ROLE_LEAVES);
@@ -141,7 +141,7 @@ static void roster_shrink(struct broker *b, const muster_Roster *roster)
             b->registry.agents[agent].let_go = roster->held || b->registry.agents[agent].let_go;
         }
         turns_drop(b, place);
-        place_leave(b, place);
+        process_leave(b, place);
     }
     l->roster_count = kept;
 }
@@ -165,7 +165,7 @@ static void roster_grow(struct broker *b, const muster_Roster *roster, bool in_m
         if (place == MU_NONE) {
             b->counters.malformed++;
         } else if (!scope_is_inside(b->processes.at[place].scope)) {
-            place_enter(b, place);
+            process_enter(b, place);
             l->roster[l->roster_count++] = place;
             if (in_mid_run) {
                 lines_tell(b, place);
@@ -209,7 +209,7 @@ static void lockstep_end(struct broker *b)
     for (uint32_t i = 0; i < count; i++) {
         b->processes.at[l->roster[i]].version_had =
             0; /* and of those outside, it has missed changes */
-        place_leave(b, l->roster[i]);
+        process_leave(b, l->roster[i]);
     }
     notify_run(b, false);
     processes_wake(&b->processes, simulator);
@@ -230,7 +230,7 @@ static void lockstep_start(struct broker *b, const muster_Roster *roster, uint32
 {
     struct steps *l = &b->steps;
     run_forget(b);
-    route_resolve_expire(b, UINT64_MAX); /* no question from before has a place in it */
+    route_resolve_expire(b, UINT64_MAX); /* no question from before belongs to it */
     clock_start(&b->clock, roster->step_ns, (uint64_t)roster->step * roster->step_ns);
     lockstep_hold(b, roster->held);
     l->step = roster->step;

@@ -55,7 +55,7 @@ static void outside_take(struct broker *b, struct turn *turn)
 }
 
 /* @return how many mails of one sender have room in a step if all senders get as much */
-static uint32_t outside_share(const struct steps *l)
+static uint32_t outside_quota(const struct steps *l)
 {
     uint32_t senders = 0;
     for (uint32_t i = 0; i < l->active_count; i++) {
@@ -93,7 +93,7 @@ static void turns_close(struct steps *l)
 static void outside_apply(struct broker *b)
 {
     struct steps *l = &b->steps;
-    uint32_t share = outside_share(l), spare = outside_spare(l, share);
+    uint32_t share = outside_quota(l), spare = outside_spare(l, share);
     for (uint32_t i = 0; i < l->active_count && l->outside_use.mails > 0; i++) {
         struct turn *turn = &l->turns[l->active[i]];
         uint32_t left = share;

@@ -38,8 +38,8 @@ static uint64_t ttl_left_ns(const struct broker *b, const struct mail *m)
 }
 
 /* @return whether all that may go to the agent now had room */
-static bool parcels_fill(struct broker *b, struct dispatch_part *part, struct dispatch_room *room,
-                         muster_Delivery *d)
+static bool items_fill(struct broker *b, struct dispatch_part *part, struct dispatch_room *room,
+                       muster_Delivery *d)
 {
     uint32_t agent = part->agent;
     if (!b->mailbox.boxes[agent].begun || scope_waits(b->registry.agents[agent].scope)) {
@@ -64,12 +64,12 @@ static bool parcels_fill(struct broker *b, struct dispatch_part *part, struct di
         if (b->dispatch.interval_ns > 0 && !b->mailbox.posts[i].sent) {
             b->dispatch.open_delay_ns += mail_delay_ns(b, m);
         }
-        muster_Parcel *parcel = &d->parcels._buffer[d->parcels._length++];
-        *parcel = (muster_Parcel){.box = b->registry.agents[agent].name,
-                                  .number = number + part->parcels,
-                                  .letter = m->letter};
-        parcel->letter.again = m->letter.again || b->mailbox.posts[i].sent;
-        parcel->letter.ttl_ns = ttl_left_ns(b, m);
+        muster_Parcel *item = &d->parcels._buffer[d->parcels._length++];
+        *item = (muster_Parcel){.box = b->registry.agents[agent].name,
+                                .number = number + part->parcels,
+                                .letter = m->letter};
+        item->letter.again = m->letter.again || b->mailbox.posts[i].sent;
+        item->letter.ttl_ns = ttl_left_ns(b, m);
     }
     return i == MU_NONE && (awake || gate < GATE_OPEN);
 }
@@ -211,7 +211,7 @@ static void delivery_begin(struct broker *b, const struct process *at, muster_De
     d->process = sample_text(at->name);
 }
 
-/* Takes agents out of the place's queue, and puts them in order of name. */
+/* Takes agents out of the process's queue, and puts them in order of name. */
 static void parts_take(struct broker *b, uint32_t place)
 {
     struct dispatch *c = &b->dispatch;
@@ -237,7 +237,7 @@ static void parts_fill(struct broker *b, muster_Delivery *d)
             room = (struct dispatch_room){.parcels = left < most ? left : most,
                                           .bytes = DISPATCH_BOX_BYTES};
         }
-        part->passed_by = !parcels_fill(b, part, &room, d);
+        part->passed_by = !items_fill(b, part, &room, d);
         bool some = receipts_count(&b->receipts, part->agent) > 0;
         if (some && !scope_waits(b->registry.agents[part->agent].scope)) {
             part->receipts = receipts_fill(b, part->agent, d);

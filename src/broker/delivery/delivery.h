@@ -21,9 +21,9 @@
  */
 
 enum {
-    MULTICAST_PLACES_MIN = 4, /* fewer have a Delivery each */
-    MULTICAST_WAITING = 64,   /* mails to many that have not gone out; others go as any mail does */
-    MULTICAST_BOXES = 1024,   /* in one multicast; the others have a Delivery */
+    MULTICAST_PROCESSES_MIN = 4, /* fewer have a Delivery each */
+    MULTICAST_WAITING = 64, /* mails to many that have not gone out; others go as any mail does */
+    MULTICAST_BOXES = 1024, /* in one multicast; the others have a Delivery */
     MULTICAST_BYTES = 32 * 1024,   /* of mail in one */
     MULTICAST_PAUSE_NS = 10000000, /* after the network has refused one */
 };
@@ -40,7 +40,7 @@ struct multicast {
     uint32_t readers;  /* processes that read them, those of other brokers among them */
     /* The open one: */
     struct multicast_box boxes[MULTICAST_BOXES]; /* in order of seats */
-    uint32_t boxes_count, places_count, letters_count;
+    uint32_t boxes_count, processes_count, letters_count;
     uint32_t seats[MULTICAST_BOXES], slots[MULTICAST_BOXES];
     uint64_t serials[MULTICAST_BOXES], numbers[MULTICAST_BOXES];
     muster_Mail letters[BUS_CIRCULAR_LETTERS];
@@ -92,12 +92,12 @@ struct pacing_speaker {
 
 struct pacing {
     struct pacing_speaker speakers[PACING_SPEAKERS]; /* each once, the last sender first */
-    struct mu_list held;                             /* places, the first to be woken first */
+    struct mu_list held;                             /* processes, the first to be woken first */
 };
 
 void pacing_bring_forward(struct pacing *f, uint32_t place);
 
-/** An agent of this place has sent mail. */
+/** An agent of this process has sent mail. */
 static inline void pacing_note_speaker(struct pacing *f, uint32_t place, uint64_t now_ns)
 {
     if (f->speakers[0].place != place) {
@@ -106,7 +106,7 @@ static inline void pacing_note_speaker(struct pacing *f, uint32_t place, uint64_
     f->speakers[0].spoke_ns = now_ns;
 }
 
-/** @return whether the last Delivery to a place may have been a part of a flood */
+/** @return whether the last Delivery to a process may have been a part of a flood */
 static inline bool pacing_is_due(const struct process *at)
 {
     return at->mails_had >= PACING_MANY;
@@ -115,10 +115,10 @@ static inline bool pacing_is_due(const struct process *at)
 /** @return whether it was, and disturbs others: then the next one has PACING_MAILS mails at most */
 bool pacing_is_flooded(const struct broker *b, uint32_t place);
 
-/** @return whether a place gets nothing now; it is woken later */
+/** @return whether a process gets nothing now; it is woken later */
 bool pacing_hold(struct broker *b, uint32_t place);
 
-/** So many mails have gone out to a place; from: where the last of them came from, or MU_NONE */
+/** So many mails have gone out to a process; from: where the last came from, or MU_NONE */
 static inline void pacing_note_delivery(struct process *at, uint32_t mails, uint32_t from,
                                         uint64_t now_ns)
 {
@@ -167,7 +167,7 @@ enum {
 
 /* What it has done; see metrics.c. */
 struct dispatch_counts {
-    uint64_t deliveries, circulars, parcels, most_parcels, blocked, wakings, delay_ns;
+    uint64_t deliveries, multicasts, items, most_items, blocked, wakings, delay_ns;
 };
 
 /* What of one agent is in the open Delivery. */

@@ -21,7 +21,7 @@ static bool box_is_urgent(struct broker *b, uint32_t agent)
 }
 
 /* What cannot wait: an answer to a registration, a directive, what goes out once more. */
-static bool place_is_urgent(struct broker *b, uint32_t place)
+static bool process_is_urgent(struct broker *b, uint32_t place)
 {
     const struct process *at = &b->processes.at[place];
     if (at->refusals_count > 0 || at->roll_call_due) {
@@ -38,12 +38,12 @@ static bool place_is_urgent(struct broker *b, uint32_t place)
 
 /* @return whether the process is held until the dispatcher wakes, or gets no more of a flood for
  * now */
-static bool place_waits(struct broker *b, uint32_t place)
+static bool process_waits(struct broker *b, uint32_t place)
 {
     const struct process *at = &b->processes.at[place];
     bool sleeps = !scope_is_paced(at->scope) && !dispatch_is_awake(&b->dispatch);
     bool pauses = pacing_is_due(at) && b->clock.now_ns < at->flooded_until_ns;
-    if ((!sleeps && !pauses) || place_is_urgent(b, place)) {
+    if ((!sleeps && !pauses) || process_is_urgent(b, place)) {
         return false;
     }
     if (sleeps) {
@@ -53,7 +53,7 @@ static bool place_waits(struct broker *b, uint32_t place)
 }
 
 /* All whose turn stands so are looked at again. */
-static void places_wake(struct broker *b, enum turn_state turn, enum turn_event event)
+static void turns_wake(struct broker *b, enum turn_state turn, enum turn_event event)
 {
     for (uint32_t i = 0; i < b->processes.top; i++) {
         if (b->processes.at[i].turn == turn) {
@@ -71,7 +71,7 @@ static void dispatch_wake(struct broker *b)
     }
     c->awake = true;
     if (b->processes.held > 0) {
-        places_wake(b, TURN_HELD, TURN_ROUND_BEGINS);
+        turns_wake(b, TURN_HELD, TURN_ROUND_BEGINS);
     }
 }
 
@@ -131,7 +131,7 @@ bool broker_next(struct broker *b, const char **process, muster_Delivery *d)
             compose_fill_word(b, place, d)) {
             return true;
         }
-        if (!place_waits(b, place)) {
+        if (!process_waits(b, place)) {
             if (compose_fill(b, place, d)) {
                 return true;
             }
@@ -148,7 +148,7 @@ bool broker_next(struct broker *b, const char **process, muster_Delivery *d)
 
 /* --- the network's answer --------------------------------------------------------------------- */
 
-/* @return the place that the last mail of a part came from, or MU_NONE */
+/* @return the process that the last mail of a part came from, or MU_NONE */
 static uint32_t part_from(struct broker *b, const struct dispatch_part *part)
 {
     const struct box *box = mailbox_box(&b->mailbox, part->agent);
@@ -181,10 +181,10 @@ static void delivery_count(struct dispatch *c, uint32_t parcels)
 {
     c->worked = c->worked || !scope_is_paced(c->view.scope);
     c->count.deliveries++;
-    c->count.parcels += parcels;
+    c->count.items += parcels;
     c->count.delay_ns += c->open_delay_ns;
-    if (parcels > c->count.most_parcels) {
-        c->count.most_parcels = parcels;
+    if (parcels > c->count.most_items) {
+        c->count.most_items = parcels;
     }
 }
 
@@ -203,7 +203,7 @@ static void word_end(struct broker *b)
 }
 
 /* One Delivery may not have held all. */
-static void place_go_on(struct broker *b, const struct process *at, uint32_t place)
+static void process_go_on(struct broker *b, const struct process *at, uint32_t place)
 {
     if (processes_agent_waits(&b->processes, place) || !view_has_told(&b->pages, at) ||
         changelog_after(&b->registry.changes, at->version_had) != MU_NONE) {
@@ -233,7 +233,7 @@ static void parts_delivered(struct broker *b, struct process *at)
     if (scope_is_paced(c->view.scope)) {
         steps_delivered(b, c->open);
     } else {
-        place_go_on(b, at, c->open);
+        process_go_on(b, at, c->open);
     }
 }
 
@@ -246,14 +246,14 @@ void broker_delivered(struct broker *b, uint64_t now_ns)
         word_end(b);
     } else if (c->open == PROCESSES_ALL) {
         delivery_count(c, multicast_sent(b));
-        c->count.circulars++;
+        c->count.multicasts++;
     } else {
         parts_delivered(b, &b->processes.at[c->open]);
     }
     c->open = MU_NONE;
 }
 
-static void place_undelivered(struct broker *b)
+static void process_undelivered(struct broker *b)
 {
     struct dispatch *c = &b->dispatch;
     for (uint32_t i = 0; i < c->parts_count; i++) {
@@ -272,7 +272,7 @@ void broker_undelivered(struct broker *b)
     struct dispatch *c = &b->dispatch;
     MU_ASSERT(c->open != MU_NONE);
     c->count.blocked++;
-    (c->open == PROCESSES_ALL ? multicast_unsent : place_undelivered)(b);
+    (c->open == PROCESSES_ALL ? multicast_unsent : process_undelivered)(b);
     c->open = MU_NONE;
 }
 
@@ -280,7 +280,7 @@ void dispatch_tick(struct broker *b)
 {
     pacing_tick(b);
     if (b->processes.refused > 0 && b->dispatch.retry_ns <= b->clock.now_ns) {
-        places_wake(b, TURN_REFUSED, TURN_IS_RETRIED);
+        turns_wake(b, TURN_REFUSED, TURN_IS_RETRIED);
     }
 }
 

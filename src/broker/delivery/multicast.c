@@ -7,7 +7,7 @@ void multicast_note(struct broker *b, struct mail *m)
     struct multicast *c = &b->multicast;
     bool may = m->letter.level == muster_LEVEL_RAM && b->dispatch.interval_ns == 0 &&
                !view_inside(b, m->sender);
-    if (may && b->processes.hearers >= MULTICAST_PLACES_MIN && c->count < MULTICAST_WAITING) {
+    if (may && b->processes.hearers >= MULTICAST_PROCESSES_MIN && c->count < MULTICAST_WAITING) {
         pool_keep(m);
         c->waiting[c->count++] = m;
     }
@@ -28,8 +28,8 @@ static void waiting_drop(struct broker *b, uint32_t count)
 
 /* --- whose boxes ------------------------------------------------------------------------------ */
 
-/* @return whether a place has nothing else to be told before */
-static bool place_is_ready(const struct broker *b, const struct process *at)
+/* @return whether a process has nothing else to be told before */
+static bool process_is_ready(const struct broker *b, const struct process *at)
 {
     bool is_there = processes_hears(at) && at->turn == TURN_IDLE;
     bool is_alone = !scope_is_paced(at->scope) && at->kind != PROCESS_BROKER;
@@ -48,7 +48,7 @@ static bool post_is_ready(struct broker *b, uint32_t post)
      * its seat here, and which number comes next.  A reader that has had that number already takes
      * whatever follows it. */
     bool is_confirmed = box->acked > box->base && box->acked > a->seated_above;
-    return a->process != MU_NONE && place_is_ready(b, &b->processes.at[a->process]) &&
+    return a->process != MU_NONE && process_is_ready(b, &b->processes.at[a->process]) &&
            a->bearer == BEARER_TOLD && is_confirmed &&
            names_gate(&b->registry, &b->processes, agent) == GATE_OPEN && !scope_waits(a->scope) &&
            box->out == MU_NONE && mailbox_next_is(&b->mailbox, agent, b->mailbox.posts[post].mail);
@@ -63,14 +63,14 @@ static int box_compare(const void *x, const void *y, const void *context)
     return (a > b) - (a < b);
 }
 
-/* Keeps the first few of each place. */
+/* Keeps the first few of each process. */
 static void boxes_bound(struct multicast *c)
 {
     uint32_t kept = 0, same = 0;
-    c->places_count = 0;
+    c->processes_count = 0;
     for (uint32_t i = 0; i < c->boxes_count; i++) {
         bool another = i == 0 || c->boxes[i].seat != c->boxes[i - 1].seat;
-        c->places_count += another;
+        c->processes_count += another;
         same = another ? 1 : same + 1;
         if (same <= BUS_CIRCULAR_BOXES) {
             c->boxes[kept++] = c->boxes[i];
@@ -157,7 +157,7 @@ static bool multicast_begin(struct broker *b)
     boxes_find(b, c->waiting[0]);
     c->letters_count = 0;
     uint32_t all = b->processes.hearers > c->readers ? b->processes.hearers : c->readers;
-    bool worth = c->places_count >= MULTICAST_PLACES_MIN && 2 * c->places_count >= all;
+    bool worth = c->processes_count >= MULTICAST_PROCESSES_MIN && 2 * c->processes_count >= all;
     while (worth && c->letters_count < c->count && letter_add(b, c->letters_count, &room)) {
     }
     return c->letters_count > 0;

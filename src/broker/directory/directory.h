@@ -252,7 +252,7 @@ struct said view_said(struct broker *b);
 /** Adds to a Delivery what has changed since the last one; view_delivered says that it is out. */
 void view_fill(struct broker *b, const struct process *at, muster_Delivery *d);
 
-/** @return whether there is nothing of it that a place has not been told */
+/** @return whether there is nothing of it that a process has not been told */
 static inline bool view_has_told(const struct pages *p, const struct process *at)
 {
     return changelog_after(&p->groups.changes, at->groups_had) == MU_NONE &&
@@ -278,7 +278,7 @@ static inline void view_delivered(const struct pages *p, struct process *at)
     at->services_had = p->services.open;
 }
 
-bool view_place_is_told(const struct process *at);
+bool view_process_is_told(const struct process *at);
 
 /** @return the agent to ask about an address SCHEME:REST, or MU_NONE */
 uint32_t view_resolver(const struct broker *b, const char *dst);

@@ -131,7 +131,7 @@ bool audit_next(struct audit *a, struct audit_record *out);
 /** Writes a record as one line of JSON with its end.  @return its length in bytes */
 size_t audit_line(const struct audit_record *r, char line[AUDIT_LINE_MAX]);
 
-/* --- guard.c --------------------------------------------------------------------------------- */
+/* --- authorize.c ----------------------------------------------------------------------------- */
 
 /* Directives that may go on: asks the policy, counts, and keeps the audit. */
 
@@ -141,7 +141,7 @@ size_t audit_line(const struct audit_record *r, char line[AUDIT_LINE_MAX]);
  * @param agents its receivers, count of them; those that stay keep their order
  * @return for how many it is refused; 1 when it has no receiver, and its sender may direct none
  */
-uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, uint32_t *count);
+uint32_t authorize_mail(struct broker *b, const struct mail *m, uint32_t *agents, uint32_t *count);
 
 /**
  * Asks whether the sender of a mail may speak in another agent's name: an agent that may direct it
@@ -149,16 +149,16 @@ uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, ui
  *
  * @param agent  MU_NONE: none that the sender could know, with the name in receiver
  */
-bool guard_speaks(struct broker *b, const struct mail *m, uint32_t agent, const char *receiver);
+bool authorize_line(struct broker *b, const struct mail *m, uint32_t agent, const char *receiver);
 
 /**
  * Asks whether an agent may look at another one's mind: an agent that it may direct it may look at.
  *
  * @return false: nothing is counted or audited yet
  */
-bool guard_glances(struct broker *b, uint32_t asker, uint32_t agent, const char *line);
+bool authorize_probe(struct broker *b, uint32_t asker, uint32_t agent, const char *line);
 
 /** Policies may ask for groups and roles from now on. */
-void guard_attach(struct broker *b);
+void authorize_attach(struct broker *b);
 
 #endif

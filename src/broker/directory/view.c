@@ -22,7 +22,7 @@ bool view_shows(const struct broker *b, uint32_t line, bool inside)
            (!inside || view_inside(b, agent));
 }
 
-bool view_place_is_told(const struct process *at)
+bool view_process_is_told(const struct process *at)
 {
     return processes_is_matched(at) && (at->agents_count > 0 || at->kind == PROCESS_BROKER) &&
            scope_is_shown_lines(at->scope);
@@ -36,7 +36,7 @@ static void told_update(struct broker *b)
     p->services.told = p->services.changes.version;
     for (uint32_t i = 0; i < b->processes.top; i++) {
         const struct process *at = &b->processes.at[i];
-        if (view_place_is_told(at)) {
+        if (view_process_is_told(at)) {
             p->groups.told = at->groups_had < p->groups.told ? at->groups_had : p->groups.told;
             p->services.told =
                 at->services_had < p->services.told ? at->services_had : p->services.told;
@@ -108,7 +108,7 @@ static void offers_fill(struct broker *b, const struct process *at, muster_Deliv
 
 void view_fill(struct broker *b, const struct process *at, muster_Delivery *d)
 {
-    if (view_place_is_told(at)) {
+    if (view_process_is_told(at)) {
         memberships_fill(&b->pages.groups, at, d);
         offers_fill(b, at, d);
     }

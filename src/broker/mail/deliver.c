@@ -55,7 +55,7 @@ static bool post_put(struct broker *b, struct mail *m, uint32_t agent, bool held
         post_drop(b, victim, agent);
     }
     if (room != MAILBOX_ROOM_FITS || mailbox_put(&b->mailbox, agent, m, held) != MU_OK) {
-        ledger_refused(b, m, agent, room == MAILBOX_ROOM_OVER_SHARE ? QUOTA_OVER : QUOTA_FULL, 1);
+        ledger_refused(b, m, agent, room == MAILBOX_ROOM_OVER_QUOTA ? QUOTA_OVER : QUOTA_FULL, 1);
         return false;
     }
     if (recipients_veils(&b->registry, m, agent)) {
@@ -123,7 +123,7 @@ struct delivered deliver_put(struct broker *b, struct mail *m, struct recipients
     for (uint32_t i = 0; i < to->count; i++) {
         uint32_t agent = to->agents[i];
         if (registry_is_own(agent)) {
-            done.desks = true;
+            done.handlers = true;
         } else if (!post_put(b, m, agent, held)) {
             done.fits = done.fits && recipients_veils(&b->registry, m, agent);
         } else {
@@ -133,7 +133,7 @@ struct delivered deliver_put(struct broker *b, struct mail *m, struct recipients
     if (m->posts.count < to->count || m->posts.count == 0 || to->veiled > 0) {
         ledger_settle(b, m); /* it is in fewer boxes than were booked, or on both accounts */
     }
-    pool_keep(m); /* what a desk answers may drop it from all boxes again */
+    pool_keep(m); /* what a handler answers may drop it from all boxes again */
     if (m->posts.count == 0) {
         pool_release(&b->pool, m);
     } else {
@@ -143,7 +143,7 @@ struct delivered deliver_put(struct broker *b, struct mail *m, struct recipients
         }
     }
     done.boxes = m->posts.count;
-    if (!done.desks) {
+    if (!done.handlers) {
         deliver_conclude(b, m, to, &done);
     }
     return done;

@@ -172,7 +172,7 @@ static bool next_clock(struct broker *b, struct journal_entry *e)
     return wanted;
 }
 
-static bool next_capsule(struct broker *b, struct journal_entry *e)
+static bool next_snapshot(struct broker *b, struct journal_entry *e)
 {
     struct journal *j = &b->journal;
     while (j->at.snapshot < MU_CAPSULES_MAX) {
@@ -192,5 +192,5 @@ static bool next_capsule(struct broker *b, struct journal_entry *e)
 bool journal_next(struct broker *b, struct journal_entry *entry)
 {
     return next_agent(b, entry) || next_mail(b, entry) || next_line(b, entry) ||
-           next_clock(b, entry) || next_capsule(b, entry);
+           next_clock(b, entry) || next_snapshot(b, entry);
 }

@@ -50,7 +50,7 @@ void ledger_refused(struct broker *b, const struct mail *m, uint32_t agent, enum
 {
     bool over = why == QUOTA_OVER;
     *(over ? &b->counters.over_share : &b->counters.box_full) += receivers;
-    ledger_alert(b, over ? ALERT_OVER_SHARE : ALERT_BOX_FULL, agent, m->sender);
+    ledger_alert(b, over ? ALERT_OVER_QUOTA : ALERT_BOX_FULL, agent, m->sender);
 }
 
 static bool account_take(struct broker *b, struct mail *m, enum quota_side side, uint32_t posts,

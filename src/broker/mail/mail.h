@@ -30,7 +30,8 @@ struct probe {
     bool used;
     uint32_t asker, agent;
     uint64_t number;
-    uint32_t from, to; /* places: of the asker, and of the agent that is asked; MU_NONE: answered */
+    uint32_t from,
+        to; /* processes: of the asker, and of the agent that is asked; MU_NONE: answered */
 };
 
 /* What a process is to be told. */
@@ -213,9 +214,9 @@ void outcome_await_tick(struct broker *b);
 
 /* How a mail got into its boxes. */
 struct delivered {
-    bool fits;   /* into each box that its sender may know of */
-    bool stored; /* some of its receivers do not take mail now */
-    bool desks;  /* the broker, or a part of it, is to take it before deliver_conclude */
+    bool fits;     /* into each box that its sender may know of */
+    bool stored;   /* some of its receivers do not take mail now */
+    bool handlers; /* the broker, or a part of it, is to take it before deliver_conclude */
     uint32_t boxes;
 };
 
@@ -224,11 +225,12 @@ struct delivered {
  * what became of it at once: it may be gone then, if it is in no box.  Where there is no room for
  * those outside the run that the sender is in, they are taken out of the audience.
  *
- * @return what was done; boxes 0 and no desks: it may have been refused, which is counted and told
+ * @return what was done; boxes 0 and no handlers: it may have been refused, which is counted and
+ * told
  */
 struct delivered deliver_put(struct broker *b, struct mail *m, struct recipients *to);
 
-/** Tells its sender what became of a mail that desks have taken. */
+/** Tells its sender what became of a mail that handlers have taken. */
 void deliver_conclude(struct broker *b, struct mail *m, const struct recipients *to,
                       const struct delivered *done);
 

@@ -3,7 +3,7 @@
 
 /* --- words ------------------------------------------------------------------------------------ */
 
-static void glance_free(struct probes *g, struct probe *probe)
+static void probe_free(struct probes *g, struct probe *probe)
 {
     probe->used = false;
     g->count--;
@@ -27,7 +27,7 @@ static void word_say(struct broker *b, struct probe *of, uint32_t place, muster_
     }
     g->lost++;
     if (of->used) {
-        glance_free(g, of);
+        probe_free(g, of);
     }
 }
 
@@ -56,7 +56,7 @@ void probes_sent(struct broker *b)
     struct probes *g = &b->probes;
     const struct probes_word *w = &g->words[g->open];
     if (w->word != muster_GLANCE_ASK && w->probe != MU_NONE) {
-        glance_free(g, &g->at[w->probe]);
+        probe_free(g, &g->at[w->probe]);
     }
     array_remove(g->words, sizeof g->words[0], &g->words_count, g->open);
 }
@@ -64,7 +64,7 @@ void probes_sent(struct broker *b)
 /* --- questions -------------------------------------------------------------------------------- */
 
 /* @return a free place; NULL: there is none, or the asker's process has its share */
-static struct probe *glance_take(struct probes *g, uint32_t from)
+static struct probe *probe_take(struct probes *g, uint32_t from)
 {
     struct probe *free = NULL;
     uint32_t own = 0;
@@ -75,8 +75,8 @@ static struct probe *glance_take(struct probes *g, uint32_t from)
     return own < MU_GLANCES_EACH ? free : NULL;
 }
 
-/* @return the place at which an agent can be asked; MU_NONE: there is none */
-static uint32_t place_of(const struct broker *b, uint32_t agent)
+/* @return the process in which an agent can be asked; MU_NONE: there is none */
+static uint32_t process_of(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
     bool there =
@@ -88,14 +88,14 @@ static void ask_take(struct broker *b, uint32_t from, uint32_t asker, const must
 {
     struct probes *g = &b->probes;
     uint32_t agent = registry_find(&b->registry, asked->agent);
-    uint32_t to = agent != MU_NONE ? place_of(b, agent) : MU_NONE;
-    struct probe *probe = to != MU_NONE ? glance_take(g, from) : NULL;
+    uint32_t to = agent != MU_NONE ? process_of(b, agent) : MU_NONE;
+    struct probe *probe = to != MU_NONE ? probe_take(g, from) : NULL;
     struct probe begun = {.asker = asker,
                           .agent = agent != MU_NONE ? agent : asker,
                           .number = asked->number,
                           .from = from,
                           .to = to};
-    if (!probe || !guard_glances(b, asker, agent, asked->text)) {
+    if (!probe || !authorize_probe(b, asker, agent, asked->text)) {
         g->declined++;
         word_say(b, &begun, from, muster_GLANCE_DECLINED);
         return;
@@ -110,7 +110,7 @@ static void ask_take(struct broker *b, uint32_t from, uint32_t asker, const must
 
 /* --- answers ---------------------------------------------------------------------------------- */
 
-static void glance_answer(struct broker *b, struct probe *probe, muster_GlanceWord word)
+static void probe_answer(struct broker *b, struct probe *probe, muster_GlanceWord word)
 {
     b->probes.declined += word == muster_GLANCE_DECLINED;
     probe->to = MU_NONE;
@@ -126,7 +126,7 @@ static void answer_take(struct broker *b, uint32_t place, uint32_t asker,
         if (probe->used && probe->to == place && probe->asker == asker &&
             probe->number == answer->number) {
             memcpy(g->texts[i], answer->text, strlen(answer->text) + 1);
-            glance_answer(b, probe, answer->word);
+            probe_answer(b, probe, answer->word);
             return;
         }
     }
@@ -170,9 +170,9 @@ void probes_gone(struct broker *b, uint32_t place)
         struct probe *probe = &g->at[i];
         if (probe->used && probe->from == place) {
             words_drop(g, place, i);
-            glance_free(g, probe);
+            probe_free(g, probe);
         } else if (probe->used && probe->to == place) {
-            glance_answer(b, probe, muster_GLANCE_DECLINED);
+            probe_answer(b, probe, muster_GLANCE_DECLINED);
         }
     }
 }

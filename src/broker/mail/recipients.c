@@ -147,7 +147,7 @@ static uint32_t agent_named(const struct broker *b, const struct mail *question)
 
 /* Whether one agent may speak for another is for the broker of the other to say: a change in the
  * name of an agent beyond another broker goes there, as its mail does. @return the receiver */
-static uint32_t desk_of(const struct broker *b, const struct mail *m)
+static uint32_t handler_of(const struct broker *b, const struct mail *m)
 {
     uint32_t agent = agent_named(b, m);
     bool is_elsewhere = agent != MU_NONE && agent != m->sender &&
@@ -165,7 +165,7 @@ void recipients_of_mail(struct broker *b, const struct mail *m, struct recipient
     }
     to->unknown = to->refused = 0;
     to->count = 1;
-    to->agents[0] = is_question ? desk_of(b, m) : m->only;
+    to->agents[0] = is_question ? handler_of(b, m) : m->only;
 }
 
 bool recipients_has_member_change(const struct broker *b, const struct mail *question)

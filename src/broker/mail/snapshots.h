@@ -41,7 +41,7 @@ struct snapshot {
     muster_State state; /* that it has there */
     uint64_t epoch;
     char home[MU_PROCESS_MAX + 1]; /* the process that it set out from, dead or alive */
-    uint32_t source, target;       /* places; MU_NONE: not known, or no more */
+    uint32_t source, target;       /* processes; MU_NONE: not known, or no more */
     uint32_t host;                 /* the agent that it wants to go to */
     bool in_step;                  /* it came with the answer to a step */
     bool seated;                   /* a step has given its name to the target, and said so */
@@ -52,11 +52,11 @@ struct snapshot {
 /* What a process is to be told. */
 struct snapshot_word {
     uint32_t place;
-    char process[MU_PROCESS_MAX + 1]; /* whose place that is */
+    char process[MU_PROCESS_MAX + 1]; /* whose that is */
     muster_TripWord word;
     char name[MU_NAME_MAX + 1]; /* of the agent */
     uint32_t asker;             /* of a new one; MU_NONE: of another, or to its host */
-    uint32_t host, at;          /* at: the place where it lives */
+    uint32_t host, at;          /* at: the process where it lives */
     uint64_t epoch;
     uint32_t snapshot; /* of arrive */
     char reason[MU_FIELD_MAX + 1];

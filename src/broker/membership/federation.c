@@ -86,8 +86,8 @@ struct peer *federation_meet(struct broker *b, const char *name, uint64_t incarn
     return p;
 }
 
-/* @return the place of a neighbour, or MU_NONE: there are too many processes */
-static uint32_t place_hear(struct broker *b, struct peer *p)
+/* @return the process of a neighbour, or MU_NONE: there are too many processes */
+static uint32_t process_hear(struct broker *b, struct peer *p)
 {
     uint32_t place = processes_get(&b->processes, p->place);
     if (place == MU_NONE) {
@@ -234,7 +234,7 @@ void federation_hear(struct broker *b, const muster_Registration *r)
         (void)remote_peer_on(&b->federation, p, PEER_FORGOTTEN);
     }
     p = federation_meet(b, name, r->incarnation);
-    if (!p || place_hear(b, p) == MU_NONE) {
+    if (!p || process_hear(b, p) == MU_NONE) {
         return;
     }
     for (uint32_t i = 0; i < r->agents._length; i++) {

@@ -88,7 +88,7 @@ bool lifecycle_is_copy(const struct agent *a, const struct presence *is)
     return is->epoch > 0 && is->epoch == a->is.epoch;
 }
 
-/* @return the claim of the place for which the last bearer has set out, or MU_NONE */
+/* @return the claim of the process for which the last bearer has set out, or MU_NONE */
 static uint32_t copy_claim(const struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
@@ -302,7 +302,7 @@ static void route_use(struct broker *b, uint32_t agent, const struct peer *p)
     }
 }
 
-/* @param echoes  ways that may be echoes will do, too, as for an agent that has had no way for long
+/* @param echoes  routes that may be echoes will do, too, as for an agent that has had none for long
  * enough */
 static void route_choose(struct broker *b, uint32_t agent, bool echoes)
 {

@@ -35,10 +35,10 @@ void lifecycle_tick(struct broker *b);
 /** @return when lifecycle_tick is needed next, or UINT64_MAX */
 uint64_t lifecycle_deadline_ns(const struct broker *b);
 
-/** The reader of a place may have missed what was written: all that stands is told again. */
+/** The reader of a process may have missed what was written: all that stands is told again. */
 void lifecycle_tell_again(struct broker *b, uint32_t place);
 
-/** Something about the agent has changed: its best way is looked for. */
+/** Something about the agent has changed: its best route is looked for. */
 void lifecycle_review(struct broker *b, uint32_t agent);
 
 void lifecycle_tick_routes(struct broker *b);

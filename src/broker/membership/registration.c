@@ -20,7 +20,7 @@ static bool slot_is_others(const muster_Registration *r, uint32_t slot, const ch
     return now[0] != '\0' && strcmp(now, name) != 0;
 }
 
-/* Ends the claims of a place: of one part alone, if that is not MU_NONE, and only where a slot
+/* Ends the claims of a process: of one part alone, if that is not MU_NONE, and only where a slot
  * bears another name now, if the part is given; what is given to such a one would not be taken. */
 static void claims_end(struct broker *b, uint32_t place, uint32_t part,
                        const muster_Registration *now)
@@ -208,7 +208,7 @@ static void part_leave(struct broker *b, uint32_t place, uint32_t part,
     agents_leave(b, place, part, now);
 }
 
-static void place_leave(struct broker *b, uint32_t place)
+static void process_leave(struct broker *b, uint32_t place)
 {
     uint32_t top = b->processes.at[place].parts_top;
     claims_end(b, place, MU_NONE, NULL);
@@ -217,8 +217,8 @@ static void place_leave(struct broker *b, uint32_t place)
     }
 }
 
-/* Finds or makes the place of a process that registers.  @return MU_NONE: it is not to be heard */
-static uint32_t place_hear(struct broker *b, const muster_Registration *r)
+/* Finds or enters a process that registers.  @return MU_NONE: it is not to be heard */
+static uint32_t process_hear(struct broker *b, const muster_Registration *r)
 {
     uint32_t place = processes_get(&b->processes, r->process);
     if (place == MU_NONE) {
@@ -233,7 +233,7 @@ static uint32_t place_hear(struct broker *b, const muster_Registration *r)
     /* Its pages are empty, if we saw its agents go, too. */
     if (r->incarnation > at->incarnation) {
         if (at->agents_count > 0) {
-            place_leave(b, place);
+            process_leave(b, place);
         }
         at->version_had = at->groups_had = at->services_had = 0;
     }
@@ -263,7 +263,7 @@ void registration_take(struct broker *b, const muster_Registration *r)
         }
         return;
     }
-    uint32_t place = place_hear(b, r);
+    uint32_t place = process_hear(b, r);
     if (place == MU_NONE) {
         return;
     }
@@ -289,7 +289,7 @@ void registration_gone(struct broker *b, uint32_t place, uint32_t part, bool cra
         processes_session_on(&b->processes, place, SESSION_SILENT);
         snapshots_process_gone(b, place);
         probes_gone(b, place);
-        place_leave(b, place);
+        process_leave(b, place);
     } else if (part < PROCESSES_PARTS) {
         if (part == 0) {
             snapshots_process_gone(b, place);

@@ -79,33 +79,33 @@ static void mail_take(struct broker *b, uint32_t agent, uint32_t sender, const m
     route_from_outside(b, m);
 }
 
-static void parcel_take(struct broker *b, struct peer *p, const muster_Parcel *parcel)
+static void item_take(struct broker *b, struct peer *p, const muster_Parcel *item)
 {
-    uint32_t agent = registry_find(&b->registry, parcel->box);
-    uint32_t sender = sender_of(b, parcel->letter.src);
+    uint32_t agent = registry_find(&b->registry, item->box);
+    uint32_t sender = sender_of(b, item->letter.src);
     if (agent == MU_NONE || registry_is_own(agent)) {
         b->counters.malformed++;
         return;
     }
-    if (parcel->number <= p->boxes[agent].taken) {
+    if (item->number <= p->boxes[agent].taken) {
         (void)mu_list_append(&p->acks, MU_LINKS(p->boxes, ack), agent);
         b->federation.count.repeated++;
         return;
     }
-    if (parcel->number !=
+    if (item->number !=
         p->boxes[agent].taken + 1) { /* the neighbour will begin at the lost one again */
         b->gaps++;
         return;
     }
     (void)mu_list_append(&p->acks, MU_LINKS(p->boxes, ack), agent);
-    p->boxes[agent].taken = parcel->number;
-    b->federation.count.parcels_in++;
+    p->boxes[agent].taken = item->number;
+    b->federation.count.items_in++;
     if (sender == MU_NONE) { /* no room for its name: what follows must not wait until there is */
         b->counters.sent++;
         b->counters.box_full++;
         return;
     }
-    mail_take(b, agent, sender, &parcel->letter);
+    mail_take(b, agent, sender, &item->letter);
 }
 
 /* What others have had from a box is not for us. */
@@ -185,7 +185,7 @@ void broker_delivery(struct broker *b, const muster_Delivery *d, uint64_t now_ns
         verdict_take(b, p, &d->verdicts._buffer[i]);
     }
     for (uint32_t i = 0; i < d->parcels._length; i++) {
-        parcel_take(b, p, &d->parcels._buffer[i]);
+        item_take(b, p, &d->parcels._buffer[i]);
     }
     for (uint32_t i = 0; i < d->receipts._length; i++) {
         receipt_take(b, p, &d->receipts._buffer[i]);

@@ -32,10 +32,10 @@ static const unsigned char next_turn[TURNS][TURN_EVENTS] = {
 };
 /* clang-format on */
 
-/* --- places ----------------------------------------------------------------------------------- */
+/* --- processes -------------------------------------------------------------------------------- */
 
 /* A process that was turned down and never met makes way, but only when its place is wanted. */
-static bool place_is_needed(const struct process *at)
+static bool process_is_needed(const struct process *at)
 {
     return at->agents_count > 0 || at->claims > 0 || at->scope > 0 || processes_is_matched(at) ||
            at->speaks || (at->kind == PROCESS_BROKER && !processes_is_silent(at));
@@ -63,7 +63,7 @@ void processes_turn_on(struct processes *p, uint32_t place, enum turn_event even
     p->refused += at->turn == TURN_REFUSED;
 }
 
-static void place_forget(struct processes *p, uint32_t place)
+static void process_forget(struct processes *p, uint32_t place)
 {
     struct process *at = &p->at[place];
     bool gone = mu_table_remove(&p->names, at->name) == MU_OK;
@@ -72,7 +72,7 @@ static void place_forget(struct processes *p, uint32_t place)
     processes_session_on(p, place, SESSION_FORGOTTEN);
 }
 
-static uint32_t place_free(struct processes *p)
+static uint32_t process_free(struct processes *p)
 {
     if (p->names.count < p->top || p->top == MU_PROCESSES_MAX) {
         for (uint32_t i = 0; i < p->top; i++) {
@@ -81,8 +81,8 @@ static uint32_t place_free(struct processes *p)
             }
         }
         for (uint32_t i = 0; i < p->top; i++) {
-            if (!place_is_needed(&p->at[i])) {
-                place_forget(p, i);
+            if (!process_is_needed(&p->at[i])) {
+                process_forget(p, i);
                 return i;
             }
         }
@@ -97,7 +97,7 @@ uint32_t processes_get(struct processes *p, const char *name)
     if (place != MU_NONE) {
         return place;
     }
-    place = place_free(p);
+    place = process_free(p);
     if (place == MU_NONE) {
         return MU_NONE;
     }
@@ -117,8 +117,8 @@ uint32_t processes_get(struct processes *p, const char *name)
 void processes_tidy(struct processes *p, uint32_t place)
 {
     struct process *at = &p->at[place];
-    if (at->session != SESSION_FREE && !place_is_needed(at) && at->refusals_count == 0) {
-        place_forget(p, place);
+    if (at->session != SESSION_FREE && !process_is_needed(at) && at->refusals_count == 0) {
+        process_forget(p, place);
     }
 }
 

@@ -17,7 +17,7 @@ struct broker;
 enum {
     PROCESSES_PARTS = MU_PARTS_MAX,
     PROCESSES_REFUSALS = 64,          /* that wait for one Delivery */
-    PROCESSES_ALL = MU_PROCESSES_MAX, /* no place */
+    PROCESSES_ALL = MU_PROCESSES_MAX, /* no process */
 };
 
 _Static_assert(MU_LOCAL_AGENTS_MAX % MU_PART_AGENTS == 0, "a process has whole parts");
@@ -29,11 +29,11 @@ struct refusal {
     char reason[2 * MU_FIELD_MAX];
 };
 
-/* Queues of a place, for agents that may have something to be told: until they are served, and
+/* Queues of a process, for agents that may have something to be told: until they are served, and
  * until it was looked at how urgent it is. */
 enum resident_queue { RESIDENT_READY, RESIDENT_STIRRED, RESIDENT_QUEUES };
 
-/* An agent in a place. */
+/* An agent in a process. */
 struct resident {
     uint32_t slot;
     struct mu_link part; /* of the same part */
@@ -93,7 +93,7 @@ struct process {
     bool overruled;        /* a run has passed over a name that it asked for */
     uint64_t incarnation;  /* of the process */
     uint32_t mails_had;    /* in its last Delivery; when they are many, see pacing.c: */
-    uint32_t flooded_from; /* the place that the last of those mails came from, or MU_NONE */
+    uint32_t flooded_from; /* the process that the last of those mails came from, or MU_NONE */
     uint64_t flooded_until_ns;
     uint64_t flood_wake_ns;         /* when it is woken, if it is held for that */
     struct mu_link queued, flooded; /* in the queue of those to look at, and of those held */
@@ -169,31 +169,31 @@ static inline bool processes_is_silent(const struct process *at)
     return at->session >= SESSION_AWAY_SILENT;
 }
 
-/* Which agents live in a place, part by part, and which of them may have something to be told. */
+/* Which agents live in a process, part by part, and which of them may have something to be told. */
 
-/** An agent, which lives nowhere, moves into a slot of a place. */
+/** An agent, which lives nowhere, moves into a slot of a process. */
 void processes_add_agent(struct broker *b, uint32_t place, uint32_t slot, uint32_t agent);
 
-/** An agent leaves its place. */
+/** An agent leaves its process. */
 void processes_remove_agent(struct broker *b, uint32_t agent);
 
-/** @return the first agent of a place, or MU_NONE */
+/** @return the first agent of a process, or MU_NONE */
 uint32_t processes_first_agent(const struct broker *b, uint32_t place);
 
-/** @return the next agent of the same place, or of the same part, or MU_NONE */
+/** @return the next agent of the same process, or of the same part, or MU_NONE */
 uint32_t processes_next_agent(const struct broker *b, uint32_t agent);
 uint32_t processes_next_agent_of(const struct broker *b, uint32_t agent);
 
-/** Goes through the agents of a place; none may leave it meanwhile. */
+/** Goes through the agents of a process; none may leave it meanwhile. */
 #define PROCESSES_EACH_AGENT(b, agent, place)                                  \
     for (uint32_t agent = processes_first_agent(b, place); (agent) != MU_NONE; \
          (agent) = processes_next_agent(b, agent))
 
-/** The agent may have something to be told, and its place with it; without a place, nothing. */
+/** The agent may have something to be told, and its process with it; without a process, nothing. */
 void processes_wake_agent(struct broker *b, uint32_t agent);
 
 /**
- * @return an agent of the place that was woken since it was last served or calmed, or
+ * @return an agent of the process that was woken since it was last served or calmed, or
  * MU_NONE: so no waiting agent has to be looked at twice
  */
 static inline uint32_t processes_stirred_agent(const struct processes *p, uint32_t place)
@@ -204,7 +204,7 @@ static inline uint32_t processes_stirred_agent(const struct processes *p, uint32
 /** What the agent has to be told can wait, until it is woken again. */
 void processes_calm_agent(struct broker *b, uint32_t agent);
 
-/** @return whether an agent waits in a place's queue */
+/** @return whether an agent waits in a process's queue */
 static inline bool processes_agent_waits(const struct processes *p, uint32_t place)
 {
     return p->at[place].queues[RESIDENT_READY].count > 0;

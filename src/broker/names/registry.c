@@ -56,7 +56,7 @@ const char *registry_objection(const char *name, muster_Kind kind)
 
 /* @return the place of a name in the order; it comes and goes so seldom that moving the others is
  * cheap */
-static uint32_t order_place(const struct registry *r, const char *name)
+static uint32_t order_find(const struct registry *r, const char *name)
 {
     uint32_t lo = 0, hi = r->live;
     while (lo < hi) {
@@ -72,7 +72,7 @@ static uint32_t order_place(const struct registry *r, const char *name)
 
 static void order_insert(struct registry *r, uint32_t agent)
 {
-    uint32_t at = order_place(r, r->agents[agent].name);
+    uint32_t at = order_find(r, r->agents[agent].name);
     memmove(&r->order[at + 1], &r->order[at], (r->live - at) * sizeof *r->order);
     r->order[at] = agent;
     r->live++;
@@ -80,7 +80,7 @@ static void order_insert(struct registry *r, uint32_t agent)
 
 static void order_remove(struct registry *r, uint32_t agent)
 {
-    uint32_t at = order_place(r, r->agents[agent].name);
+    uint32_t at = order_find(r, r->agents[agent].name);
     MU_ASSERT(r->order[at] == agent);
     array_remove(r->order, sizeof *r->order, &r->live, at);
 }

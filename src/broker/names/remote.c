@@ -22,7 +22,7 @@ struct peer *remote_peer(struct broker *b, const char *name)
     return NULL;
 }
 
-/* @return whether one way is better than another, to the same agent or to another of its name */
+/* @return whether one route is better than another, to the same agent or to another of its name */
 static bool route_is_better(const struct presence *one, const struct presence *other)
 {
     if (one->since_wall_ns != other->since_wall_ns) {

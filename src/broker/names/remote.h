@@ -16,20 +16,20 @@ struct broker;
 /*
  * The other brokers, and which agents live beyond which of them.
  *
- * A broker is to another one what a process is: the place "broker.NAME", in which the agents live
+ * A broker is to another one what a process is: a process "broker.NAME", in which the agents live
  * that it announces.  What every neighbour says of every agent is kept; the best of it is used:
  *
  *   - of two agents with one name the one that has had it longer stays; one that lives here and
  *     has to give way is refused;
- *   - of several ways to the same agent (same name, same since) the shortest is used, and none if
+ *   - of several routes to the same agent (same name, same since) the shortest is used, and none if
  *     it lives here.
  *
- * When the way in use is lost, another one that is not shorter than it was may lead back to here:
+ * When the route in use is lost, another one that is not shorter than it was may lead back to here:
  * such a one is used only after a pause, in which the brokers that relied on us have heard that we
  * know none.  An agent's own broker is always believed.
  */
 
-/* How long another way has to wait that may be an echo of our own. */
+/* How long another route has to wait that may be an echo of our own. */
 enum { FEDERATION_PAUSE_MS = 1000 };
 
 /*
@@ -108,7 +108,7 @@ struct pause {
 };
 
 struct federation_counts {
-    uint64_t announced, parcels_in, passed_on, repeated, receipts_in, clashes, hops_refused;
+    uint64_t announced, items_in, passed_on, repeated, receipts_in, clashes, hops_refused;
     uint64_t earlier_lives;
 };
 
@@ -150,7 +150,7 @@ uint64_t remote_deadline_ns(const struct broker *b);
 
 struct peer *remote_best_peer(struct broker *b, uint32_t agent);
 
-/** @return whether a way can lead back to here: its neighbour may have it from us */
+/** @return whether a route can lead back to here: its neighbour may have it from us */
 bool remote_may_be_echo(const struct agent *a, const struct route *route, bool same_neighbour);
 
 void remote_hold_down(struct broker *b, uint32_t agent);

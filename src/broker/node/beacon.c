@@ -60,11 +60,11 @@ void beacon_hear(struct beacon *h)
     }
 }
 
-void beacon_tell(struct beacon *h, struct broker *b, struct outlets *bags)
+void beacon_tell(struct beacon *h, struct broker *b, struct outlets *outlets)
 {
     uint64_t now_ns = mu_clock_ns();
     if (!heartbeat_looks(&h->pulse, now_ns) ||
-        !heartbeat_beats(&h->pulse, outlets_spoke_ns(bags), now_ns)) {
+        !heartbeat_beats(&h->pulse, outlets_spoke_ns(outlets), now_ns)) {
         return;
     }
     muster_Beacon *own = &h->beacons.own;

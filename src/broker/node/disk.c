@@ -24,7 +24,7 @@ static bool entry_write(struct disk *d, const struct journal_entry *e)
     case JOURNAL_LINE: s = e->line.key ? DISK_PUT_LINE : DISK_DROP_LINE; break;
     case JOURNAL_RESET: s = DISK_DROP_LINES; break;
     case JOURNAL_CLOCK: s = DISK_PUT_CLOCK; break;
-    case JOURNAL_SNAPSHOT: s = e->snapshot[0] ? DISK_PUT_CAPSULE : DISK_DROP_CAPSULE; break;
+    case JOURNAL_SNAPSHOT: s = e->snapshot[0] ? DISK_PUT_SNAPSHOT : DISK_DROP_SNAPSHOT; break;
     }
     return disk_row_put(d->statements[s], e);
 }

@@ -53,8 +53,8 @@ static const char *const statements[DISK_STATEMENTS] = {
     [DISK_DROP_LINE] = "DELETE FROM lines WHERE kind = ? AND slot = ?",
     [DISK_DROP_LINES] = "DELETE FROM lines WHERE kind = ?",
     [DISK_PUT_CLOCK] = "INSERT OR REPLACE INTO meta VALUES ('run_wall_ns', ?)",
-    [DISK_PUT_CAPSULE] = "INSERT OR REPLACE INTO capsules VALUES (?, ?, ?)",
-    [DISK_DROP_CAPSULE] = "DELETE FROM capsules WHERE agent = ?",
+    [DISK_PUT_SNAPSHOT] = "INSERT OR REPLACE INTO capsules VALUES (?, ?, ?)",
+    [DISK_DROP_SNAPSHOT] = "DELETE FROM capsules WHERE agent = ?",
 };
 
 /* --- what can be wrong ------------------------------------------------------------------------ */

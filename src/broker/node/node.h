@@ -27,10 +27,10 @@ struct outlet {
 struct outlets {
     struct bus *bus;
     struct broker *broker;
-    struct bus_writer circulars;
+    struct bus_writer multicasts;
     bool once; /* they are used */
     const struct bus_reader *ups;
-    struct outlet at[MU_PROCESSES_MAX]; /* by the places of the broker's processes */
+    struct outlet at[MU_PROCESSES_MAX]; /* as the broker's processes */
 };
 
 /**
@@ -134,7 +134,7 @@ void beacon_hear(struct beacon *h);
  *
  * @param bags the readers that are to hear of it
  */
-void beacon_tell(struct beacon *h, struct broker *b, struct outlets *bags);
+void beacon_tell(struct beacon *h, struct broker *b, struct outlets *outlets);
 
 /** Takes the Beacon back; a broker that yields is to leave it to the other one. */
 void beacon_close(struct beacon *h);

@@ -9,15 +9,15 @@ mu_result outlets_open(struct outlets *m, struct bus *bus, struct broker *b,
                        const struct bus_reader *ups, bool once)
 {
     *m = (struct outlets){.bus = bus, .broker = b, .ups = ups, .once = once};
-    return bus_writer_open(bus, BUS_DELIVERY, BUS_TO_ALL, NULL, &m->circulars);
+    return bus_writer_open(bus, BUS_DELIVERY, BUS_TO_ALL, NULL, &m->multicasts);
 }
 
-/* @return the writer to the process that has this place, or NULL */
+/* @return the writer to the process of this name, or NULL */
 static struct outlet *outlet_of(struct outlets *m, uint32_t place)
 {
     const struct process *at = &m->broker->processes.at[place];
-    struct outlet *bag = &m->at[place];
-    return at->session != SESSION_FREE && strcmp(bag->process, at->name) == 0 ? bag : NULL;
+    struct outlet *outlet = &m->at[place];
+    return at->session != SESSION_FREE && strcmp(outlet->process, at->name) == 0 ? outlet : NULL;
 }
 
 struct outlet *outlets_find(struct outlets *m, const char *process)
@@ -28,27 +28,27 @@ struct outlet *outlets_find(struct outlets *m, const char *process)
 
 const struct bus_writer *outlets_writer(struct outlets *m, const char *process)
 {
-    const struct outlet *bag = outlets_find(m, process);
-    return bag ? &bag->writer : strcmp(process, BUS_TO_ALL) == 0 ? &m->circulars : NULL;
+    const struct outlet *outlet = outlets_find(m, process);
+    return outlet ? &outlet->writer : strcmp(process, BUS_TO_ALL) == 0 ? &m->multicasts : NULL;
 }
 
 uint64_t outlets_spoke_ns(struct outlets *m)
 {
     uint64_t spoke_ns = UINT64_MAX;
     for (uint32_t i = 0; i < m->broker->processes.top; i++) {
-        const struct outlet *bag = outlet_of(m, i);
-        spoke_ns = bag && bag->heard_ns < spoke_ns ? bag->heard_ns : spoke_ns;
+        const struct outlet *outlet = outlet_of(m, i);
+        spoke_ns = outlet && outlet->heard_ns < spoke_ns ? outlet->heard_ns : spoke_ns;
     }
     return spoke_ns != UINT64_MAX ? spoke_ns : 0;
 }
 
 /* --- opening and closing ---------------------------------------------------------------------- */
 
-static void outlet_open(struct outlets *m, struct outlet *bag, const char *process)
+static void outlet_open(struct outlets *m, struct outlet *outlet, const char *process)
 {
-    *bag = (struct outlet){0};
-    if (bus_writer_open(m->bus, BUS_DELIVERY, process, NULL, &bag->writer) == MU_OK) {
-        mu_text_copy(bag->process, sizeof bag->process, process);
+    *outlet = (struct outlet){0};
+    if (bus_writer_open(m->bus, BUS_DELIVERY, process, NULL, &outlet->writer) == MU_OK) {
+        mu_text_copy(outlet->process, sizeof outlet->process, process);
     }
 }
 
@@ -56,13 +56,13 @@ void outlets_follow(struct outlets *m)
 {
     for (uint32_t i = 0; i < m->broker->processes.top; i++) {
         const struct process *at = &m->broker->processes.at[i];
-        struct outlet *bag = &m->at[i];
-        if (bag->process[0] != '\0' && !outlet_of(m, i)) {
-            bus_writer_close(&bag->writer);
-            bag->process[0] = '\0';
+        struct outlet *outlet = &m->at[i];
+        if (outlet->process[0] != '\0' && !outlet_of(m, i)) {
+            bus_writer_close(&outlet->writer);
+            outlet->process[0] = '\0';
         }
-        if (bag->process[0] == '\0' && at->session != SESSION_FREE) {
-            outlet_open(m, bag, at->name);
+        if (outlet->process[0] == '\0' && at->session != SESSION_FREE) {
+            outlet_open(m, outlet, at->name);
         }
     }
 }
@@ -70,53 +70,53 @@ void outlets_follow(struct outlets *m)
 /* --- matching --------------------------------------------------------------------------------- */
 
 /* Both directions must stand before a registration is confirmed. */
-static bool outlet_stands(const struct outlets *m, const struct outlet *bag, bool stood,
+static bool outlet_stands(const struct outlets *m, const struct outlet *outlet, bool stood,
                           const char *mute)
 {
-    if (bus_writer_matches(&bag->writer) == 0) {
+    if (bus_writer_matches(&outlet->writer) == 0) {
         return false; /* the usual case while many processes come, and cheap to see */
     }
-    bool one_way = stood || strcmp(bag->process, mute) == 0;
-    return one_way ? bus_writer_reaches(&bag->writer, bag->process)
-                   : bus_reader_hears(m->ups, &bag->writer, bag->process);
+    bool is_deaf = stood || strcmp(outlet->process, mute) == 0;
+    return is_deaf ? bus_writer_reaches(&outlet->writer, outlet->process)
+                   : bus_reader_hears(m->ups, &outlet->writer, outlet->process);
 }
 
 static uint32_t hearers_count(const struct outlets *m)
 {
-    return m->once ? bus_writer_matches(&m->circulars) : 0;
+    return m->once ? bus_writer_matches(&m->multicasts) : 0;
 }
 
 /* A process that does not hear multicasts, such as a simulator, is asked again when one more does.
  */
-static void outlet_listen(struct outlets *m, struct outlet *bag, const struct process *at)
+static void outlet_listen(struct outlets *m, struct outlet *outlet, const struct process *at)
 {
     bool asks = processes_is_matched(at) && !processes_hears(at);
-    uint32_t hearers = asks ? hearers_count(m) : bag->hearers;
-    if (hearers == bag->hearers) {
+    uint32_t hearers = asks ? hearers_count(m) : outlet->hearers;
+    if (hearers == outlet->hearers) {
         return;
     }
-    bag->hearers = hearers;
-    if (bus_writer_shares(&bag->writer, bag->process, &m->circulars)) {
-        broker_hears(m->broker, bag->process);
+    outlet->hearers = hearers;
+    if (bus_writer_shares(&outlet->writer, outlet->process, &m->multicasts)) {
+        broker_hears(m->broker, outlet->process);
     }
 }
 
 /* Another life of a neighbour reads what was for the one before, whose reader DDS may still take
  * for alive: what went out before it was found is lost. */
-static void outlet_count_readers(struct outlet *bag, uint32_t readers, struct broker *b)
+static void outlet_count_readers(struct outlet *outlet, uint32_t readers, struct broker *b)
 {
-    if (bag->readers > 0 && readers > bag->readers) {
-        broker_read_anew(b, bag->process);
+    if (outlet->readers > 0 && readers > outlet->readers) {
+        broker_read_anew(b, outlet->process);
     }
-    bag->readers = readers;
+    outlet->readers = readers;
 }
 
 /* To ask DDS for the readers costs much more than to ask how many.  @return whether none has
  * come or gone since they were looked at, and nothing is missing */
-static bool outlet_rests(const struct outlet *bag, const struct process *at)
+static bool outlet_rests(const struct outlet *outlet, const struct process *at)
 {
-    return processes_hears(at) && bag->readers_now == bus_writer_matches(&bag->writer) &&
-           bag->readers == bus_writer_matched_ever(&bag->writer);
+    return processes_hears(at) && outlet->readers_now == bus_writer_matches(&outlet->writer) &&
+           outlet->readers == bus_writer_matched_ever(&outlet->writer);
 }
 
 bool outlets_look(struct outlets *m, const char *mute, bool all, uint64_t now_ns)
@@ -128,20 +128,20 @@ bool outlets_look(struct outlets *m, const char *mute, bool all, uint64_t now_ns
     }
     for (uint32_t i = 0; i < b->processes.top; i++) {
         const struct process *at = &b->processes.at[i];
-        struct outlet *bag = outlet_of(m, i);
+        struct outlet *outlet = outlet_of(m, i);
         bool stood = processes_is_matched(at);
-        if (!bag || (stood && !all) || outlet_rests(bag, at)) {
+        if (!outlet || (stood && !all) || outlet_rests(outlet, at)) {
             continue;
         }
-        uint32_t readers = bus_writer_matched_ever(&bag->writer);
-        bag->readers_now = bus_writer_matches(&bag->writer);
-        bool stands = outlet_stands(m, bag, stood, mute);
+        uint32_t readers = bus_writer_matched_ever(&outlet->writer);
+        outlet->readers_now = bus_writer_matches(&outlet->writer);
+        bool stands = outlet_stands(m, outlet, stood, mute);
         if (stands != stood) {
-            bag->hearers = 0;
-            broker_matched(b, bag->process, stands, now_ns);
+            outlet->hearers = 0;
+            broker_matched(b, outlet->process, stands, now_ns);
         }
-        outlet_listen(m, bag, at);
-        outlet_count_readers(bag, readers, b);
+        outlet_listen(m, outlet, at);
+        outlet_count_readers(outlet, readers, b);
         some_missing = some_missing || !stands;
     }
     return some_missing;

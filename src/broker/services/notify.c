@@ -69,7 +69,7 @@ void notify_tell(struct broker *b)
     p->services.seen = p->services.changes.version;
     subscribers_tell(b, since);
     for (uint32_t i = 0; i < b->processes.top; i++) {
-        if (view_place_is_told(&b->processes.at[i])) {
+        if (view_process_is_told(&b->processes.at[i])) {
             processes_wake(&b->processes, i);
         }
     }

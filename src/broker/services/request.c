@@ -50,7 +50,7 @@ const char *request_actor(struct broker *b, const struct mail *question, const c
     }
     if (!valid) {
         refusal = "not-a-name";
-    } else if (!guard_speaks(b, question, agent, named)) {
+    } else if (!authorize_line(b, question, agent, named)) {
         refusal = "refused";
     } else if (agent == MU_NONE) {
         refusal = "unknown-name";

@@ -180,8 +180,8 @@ static bool mail_is_answer(uint32_t own, const struct mail *m)
 
 static void mails_pump(struct broker *b, uint32_t sender);
 
-/* The broker's own desks take it. */
-static void desks_take(struct broker *b, struct mail *m, const struct recipients *to)
+/* The broker's own request handlers take it. */
+static void handlers_call(struct broker *b, struct mail *m, const struct recipients *to)
 {
     for (uint32_t i = 0; i < to->count; i++) {
         uint32_t own = to->agents[i];
@@ -192,7 +192,7 @@ static void desks_take(struct broker *b, struct mail *m, const struct recipients
         if (mail_is_answer(own, m)) {
             mails_pump(b, resolve_take_answer(b, m));
         } else {
-            desk_take(b, own, m);
+            handlers_take(b, own, m);
         }
     }
 }
@@ -211,7 +211,7 @@ static bool mail_go_on(struct broker *b, struct mail *m, const char *names)
     }
     m->order = ++b->orders;
     if (m->letter.layer == 0) {
-        to.refused = guard_sift(b, m, to.agents, &to.count);
+        to.refused = authorize_mail(b, m, to.agents, &to.count);
         if (to.refused > 0) {
             ledger_alert(b, ALERT_REFUSED, REGISTRY_BROKER, m->sender);
         }
@@ -225,11 +225,11 @@ static bool mail_go_on(struct broker *b, struct mail *m, const char *names)
         return goes_on;
     }
     struct delivered done = deliver_put(b, m, &to);
-    if (done.boxes >= MULTICAST_PLACES_MIN) {
+    if (done.boxes >= MULTICAST_PROCESSES_MIN) {
         multicast_note(b, m);
     }
-    if (done.desks) {
-        desks_take(b, m, &to);
+    if (done.handlers) {
+        handlers_call(b, m, &to);
         deliver_conclude(b, m, &to, &done);
     }
     return goes_on;

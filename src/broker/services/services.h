@@ -159,7 +159,7 @@ void request_unsubscribe(struct broker *b, const struct mail *question);
 /** Carries out a directive that the policy has let through, and answers it. */
 void directive_take(struct broker *b, uint32_t own, const struct mail *m);
 
-/* --- desk.c ---------------------------------------------------------------------------------- */
+/* --- handlers.c ------------------------------------------------------------------------------ */
 
 /*
  * Mail to the broker itself and to its parts: directives, questions for a state, questions to the
@@ -167,7 +167,7 @@ void directive_take(struct broker *b, uint32_t own, const struct mail *m);
  */
 
 /** Does what the mail wants, and answers it; own is its receiver. */
-void desk_take(struct broker *b, uint32_t own, struct mail *m);
+void handlers_take(struct broker *b, uint32_t own, struct mail *m);
 
 /* --- notify.c -------------------------------------------------------------------------------- */
 

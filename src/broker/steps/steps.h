@@ -87,11 +87,11 @@ struct member {
 };
 
 struct steps {
-    struct member members[MU_PROCESSES_MAX]; /* one for each place */
+    struct member members[MU_PROCESSES_MAX]; /* one for each process */
     bool held;          /* the step does not end: a process of the roster is to come yet */
     bool awaits_moves;  /* the last step has no end yet: agents are on their way */
     int64_t step;       /* whose Ups are collected */
-    uint32_t simulator; /* its place */
+    uint32_t simulator; /* its process */
     uint32_t roster[MU_PROCESSES_MAX];
     uint32_t roster_count;
     uint32_t answered;

@@ -58,7 +58,7 @@ static struct net {
     uint32_t agents_count;
     uint32_t announcements;
     uint32_t repeats; /* mails that agents dropped, having had them */
-    uint32_t circulars;
+    uint32_t multicasts;
 } net;
 
 static const char *const net_names[NET_BROKERS] = {"a", "b", "c"};
@@ -306,7 +306,7 @@ static inline void net_to_many(int broker, const muster_Delivery *d)
 {
     uint64_t before[NET_AGENTS];
     bool lost = net.faint[broker];
-    net.circulars++;
+    net.multicasts++;
     for (uint32_t i = 0; i < net.agents_count; i++) {
         struct net_agent *a = &net.agents[i];
         before[i] = a->last_number;

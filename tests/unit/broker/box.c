@@ -388,7 +388,7 @@ static void test_every_wait_ends(void)
     CU_ASSERT_EQUAL(story_status().expired, 4);
     CU_ASSERT_EQUAL(story.b->pool.mails, 0);
     CU_ASSERT_EQUAL(story.b->due.count, 0);
-    CU_ASSERT_EQUAL(story.b->mailbox.shares.pool.live, 0);
+    CU_ASSERT_EQUAL(story.b->mailbox.quotas.pool.live, 0);
 }
 
 static void event_line(struct mu_text *t)

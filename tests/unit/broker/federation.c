@@ -70,7 +70,7 @@ static void test_mail_crosses(void)
     CU_ASSERT_EQUAL(net.b[A]->pool.mails, 0);
     CU_ASSERT_EQUAL(net.b[B]->pool.mails, 0);
     CU_ASSERT_EQUAL(net.b[A]->federation.count.passed_on, 2);
-    CU_ASSERT_EQUAL(net.b[B]->federation.count.parcels_in, 2);
+    CU_ASSERT_EQUAL(net.b[B]->federation.count.items_in, 2);
 }
 
 static void test_mail_waits_for_who_is_absent(void)
@@ -576,13 +576,13 @@ static void test_a_change_in_the_name_of_one_at_another_broker(void)
     CU_ASSERT_EQUAL(net.b[A]->unspoken, 0);
 }
 
-static muster_Delivery delivery_to_b(muster_Parcel *parcel)
+static muster_Delivery delivery_to_b(muster_Parcel *item)
 {
     muster_Delivery d = {.process = words("broker.b"),
                          .broker = words("a"),
                          .broker_incarnation = net.incarnation[A],
                          .step = muster_STEP_NOW};
-    d.parcels._buffer = parcel;
+    d.parcels._buffer = item;
     d.parcels._length = d.parcels._maximum = 1;
     return d;
 }

@@ -25,7 +25,7 @@ static const uint64_t SECOND_NS = 1000000000;
 
 static struct {
     uint64_t histories, mails, taken, receipts, kills, repeats, again, expired, dropped, refused;
-    uint64_t circulars, by_circular, early, late, lost, astray;
+    uint64_t multicasts, by_circular, early, late, lost, astray;
 } * sum; /* shared with the histories */
 
 static void abort_explain(int number)
@@ -46,7 +46,7 @@ static void sum_up(void)
     sum->expired += history.seen.expired;
     sum->dropped += history.seen.dropped;
     sum->refused += history.seen.refused;
-    sum->circulars += history.seen.circulars;
+    sum->multicasts += history.seen.multicasts;
     sum->by_circular += history.seen.by_circular;
     sum->early += history.seen.early;
     sum->late += history.seen.late;
@@ -99,7 +99,7 @@ static void test_histories(void)
            (unsigned long long)sum->dropped, (unsigned long long)sum->refused);
     printf("  %llu circulars with %llu parcels, %llu lost on their way, %llu early, %llu late; "
            "%llu acknowledgements astray\n",
-           (unsigned long long)sum->circulars, (unsigned long long)sum->by_circular,
+           (unsigned long long)sum->multicasts, (unsigned long long)sum->by_circular,
            (unsigned long long)sum->lost, (unsigned long long)sum->early,
            (unsigned long long)sum->late, (unsigned long long)sum->astray);
 }

@@ -138,7 +138,7 @@ static void test_limit_bytes_come_back(void)
         }
         CU_ASSERT_EQUAL(story.b->pool.mails, 0);
         CU_ASSERT_EQUAL(story.b->mailbox.posts_pool.live, 0);
-        CU_ASSERT_EQUAL(story.b->mailbox.shares.pool.live, 0);
+        CU_ASSERT_EQUAL(story.b->mailbox.quotas.pool.live, 0);
         CU_ASSERT_EQUAL(story.b->quotas.all[QUOTA_OUTSIDE].bytes, 0);
     }
     uint64_t most = (MU_MAIL_BYTES_MAX - MU_MAIL_BYTES_MAX / 64) / POOL_RECORD_MAX;

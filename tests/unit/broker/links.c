@@ -28,8 +28,8 @@ static struct letter {
     bool told;
 } letters[MAILS];
 static uint32_t letters_count;
-static uint64_t *circulars; /* of all histories: shared with them */
-static bool was_mute;       /* receipts were lost */
+static uint64_t *multicasts; /* of all histories: shared with them */
+static bool was_mute;        /* receipts were lost */
 
 static uint32_t roll(uint32_t sides)
 {
@@ -275,7 +275,7 @@ static void history_live(void)
         pass(passes_ms[roll(7)] * MS);
     }
     grow_quiet();
-    *circulars += net.circulars;
+    *multicasts += net.multicasts;
 }
 
 /* Each history is a process of its own.  @return whether all was as promised */
@@ -300,9 +300,9 @@ static void test_links(void)
     uint64_t wanted = suite_setting("MUSTER_SEED", 0), seconds = suite_setting("MUSTER_SECONDS", 0);
     uint64_t until_ns = mu_clock_ns() + (seconds ? seconds : 3) * 1000 * MS;
     uint32_t histories = 0, failures = 0;
-    circulars =
-        mmap(NULL, sizeof *circulars, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    CU_ASSERT_TRUE_FATAL(circulars != MAP_FAILED);
+    multicasts =
+        mmap(NULL, sizeof *multicasts, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    CU_ASSERT_TRUE_FATAL(multicasts != MAP_FAILED);
     seed = wanted ? wanted : seconds ? mu_clock_wall_ns() / 1000 : 1;
     do {
         failures += !live();
@@ -310,9 +310,9 @@ static void test_links(void)
         seed++;
     } while (!wanted && mu_clock_ns() < until_ns && failures < 3);
     CU_ASSERT_EQUAL(failures, 0);
-    CU_ASSERT_TRUE(wanted || *circulars > 0);
+    CU_ASSERT_TRUE(wanted || *multicasts > 0);
     printf("\n  %lu histories, %llu circulars\n", (unsigned long)histories,
-           (unsigned long long)*circulars);
+           (unsigned long long)*multicasts);
 }
 
 int main(void)

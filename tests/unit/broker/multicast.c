@@ -9,8 +9,8 @@ static void test_one_for_many(void)
     crowd_of(5);
     say("all", "hi");
     EXPECT("all: a #2, b #2, c #2, d #2, e #2 | red/6 hi");
-    CU_ASSERT_EQUAL(story.b->dispatch.count.circulars, 1);
-    CU_ASSERT_EQUAL(story.b->dispatch.count.most_parcels, 5);
+    CU_ASSERT_EQUAL(story.b->dispatch.count.multicasts, 1);
+    CU_ASSERT_EQUAL(story.b->dispatch.count.most_items, 5);
     acknowledge(2);
     EXPECT("red 6-6 delivered");
     CU_ASSERT_EQUAL(story_status().delivered, 10);

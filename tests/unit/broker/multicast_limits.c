@@ -12,7 +12,7 @@ static void test_limit_letters(void)
     }
     const char *text = story_collect();
     CU_ASSERT_PTR_NOT_NULL(strstr(text, "; all: a #18, b #18, c #18, d #18 | red/21 x"));
-    CU_ASSERT_EQUAL(story.b->dispatch.count.circulars, 2);
+    CU_ASSERT_EQUAL(story.b->dispatch.count.multicasts, 2);
     acknowledge(BUS_CIRCULAR_LETTERS + 2);
     EXPECT("red 5-21 delivered");
     all_is_over();
@@ -50,7 +50,7 @@ static void test_limit_waiting(void)
     const char *text = story_collect();
     CU_ASSERT_PTR_NOT_NULL(
         strstr(text, "; a #66 red/69 x; b #66 red/69 x; c #66 red/69 x; d #66 red/69 x"));
-    CU_ASSERT_EQUAL(story.b->dispatch.count.circulars, MULTICAST_WAITING / BUS_CIRCULAR_LETTERS);
+    CU_ASSERT_EQUAL(story.b->dispatch.count.multicasts, MULTICAST_WAITING / BUS_CIRCULAR_LETTERS);
     acknowledge(MULTICAST_WAITING + 2);
     EXPECT("red 5-69 delivered");
     all_is_over();
@@ -97,7 +97,7 @@ static void many_join(const char *process, uint32_t first, uint32_t count)
 
 /* What went out: boxes in multicasts, and delivery items in Deliveries. */
 static struct {
-    uint32_t circulars, boxes, parcels;
+    uint32_t multicasts, boxes, parcels;
 } out;
 
 static void count_out(void)
@@ -106,7 +106,7 @@ static void count_out(void)
     muster_Delivery d;
     memset(&out, 0, sizeof out);
     while (broker_next(story.b, &process, &d)) {
-        out.circulars += d.seats._length > 0;
+        out.multicasts += d.seats._length > 0;
         out.boxes += d.seats._length;
         out.parcels += d.parcels._length;
         story_note(&d);
@@ -121,7 +121,7 @@ static void test_many_agents_of_few_processes(void)
     many_join("p-m", 0, 3);
     say("a,b,m0,m1,m2", "hi");
     count_out();
-    CU_ASSERT_EQUAL(out.circulars, 0);
+    CU_ASSERT_EQUAL(out.multicasts, 0);
     CU_ASSERT_EQUAL(out.parcels, 5);
     say("a,b,c,m0,m1,m2", "hi");
     count_out();
@@ -135,7 +135,7 @@ static void test_limit_agents_of_a_process(void)
     many_join("p-m", 0, BUS_CIRCULAR_BOXES + 5);
     say("all", "hi");
     count_out();
-    CU_ASSERT_EQUAL(out.circulars, 1);
+    CU_ASSERT_EQUAL(out.multicasts, 1);
     CU_ASSERT_EQUAL(out.boxes, 4 + BUS_CIRCULAR_BOXES);
     CU_ASSERT_EQUAL(out.parcels, 5);
 }
@@ -151,7 +151,7 @@ static void test_limit_boxes(void)
     }
     say("all", "hi");
     count_out();
-    CU_ASSERT_EQUAL(out.circulars, 1);
+    CU_ASSERT_EQUAL(out.multicasts, 1);
     CU_ASSERT_EQUAL(out.boxes, MULTICAST_BOXES);
     CU_ASSERT_EQUAL(out.parcels, 4 + processes * each - MULTICAST_BOXES);
 }

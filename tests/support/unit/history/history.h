@@ -148,7 +148,7 @@ struct up {
     uint32_t acks_count;
 };
 
-struct parcel {
+struct item {
     int box, src; /* src NOBODY: the broker; box NOBODY: a multicast's, */
     int seat;     /* where it has this instead */
     uint64_t number, since, seq;
@@ -166,7 +166,7 @@ struct delivery {
     uint64_t serial;
     uint64_t comes_ns;
     bool has_come, is_circular;
-    struct parcel parcels[PARCELS];
+    struct item parcels[PARCELS];
     uint32_t parcels_count;
     struct {
         int name;
@@ -259,7 +259,7 @@ struct history {
                               are not theirs alone */
     struct {
         uint64_t taken, receipts, kills, repeats, again, expired, dropped, refused;
-        uint64_t circulars, by_circular, early, late, lost, astray;
+        uint64_t multicasts, by_circular, early, late, lost, astray;
     } seen; /* that the history was worth something */
 };
 
@@ -304,9 +304,9 @@ void net_feed(struct history_process *p);
 void net_match(void);
 void net_lose(struct history_process *p, bool crashed);
 void net_deliver(void);
-void net_parcel_copy(const muster_Mail *from, uint64_t number, struct parcel *to);
+void net_parcel_copy(const muster_Mail *from, uint64_t number, struct item *to);
 /** A number goes out to a box for the first time, or as it was. */
-void net_parcel_check(const struct history_process *p, int box, const struct parcel *parcel);
+void net_parcel_check(const struct history_process *p, int box, const struct item *item);
 
 /* history_many.c */
 void many_hear(void);
@@ -348,7 +348,7 @@ void ledger_offer(uint32_t mail, bool again, const muster_BrokerStatus *was,
                   const muster_BrokerStatus *is);
 void ledger_committed(bool ok);
 void ledger_killed(void);
-void ledger_hand(struct actor *a, const struct parcel *p, uint32_t life);
+void ledger_hand(struct actor *a, const struct item *p, uint32_t life);
 void ledger_told(struct actor *a, uint64_t seq, muster_Outcome result, uint32_t life);
 void ledger_check_end(void);
 

@@ -173,7 +173,7 @@ static void verdict_take(struct history_process *p, struct actor *a, bool accept
     a->progress_ns = history.now_ns;
 }
 
-static bool ring_has(const struct actor *a, const struct parcel *p)
+static bool ring_has(const struct actor *a, const struct item *p)
 {
     for (uint32_t i = 0; i < TAKEN; i++) {
         bool same_life = a->ring[i].since == p->since || a->ring[i].since == 0 || p->since == 0;
@@ -187,16 +187,16 @@ static bool ring_has(const struct actor *a, const struct parcel *p)
 /* @return for whom a delivery item is; of a multicast, who was in that seat when it was written; or
  * NULL */
 static struct actor *parcel_agent(struct history_process *p, const struct delivery *d,
-                                  const struct parcel *parcel)
+                                  const struct item *item)
 {
     if (!d->is_circular) {
-        return process_agent(p, parcel->box);
+        return process_agent(p, item->box);
     }
-    struct actor *a = &p->seats[parcel->seat];
+    struct actor *a = &p->seats[item->seat];
     return a->name != NOBODY && a->registered && a->accepted_serial < d->serial ? a : NULL;
 }
 
-static void parcel_take(struct actor *a, const struct parcel *p, uint32_t life)
+static void item_take(struct actor *a, const struct item *p, uint32_t life)
 {
     if (!a->registered && !a->in_order) {
         return; /* it was for one of its name who has left */
@@ -252,10 +252,10 @@ void process_take(struct history_process *p, const struct delivery *d)
         }
     }
     for (uint32_t i = 0; i < d->parcels_count; i++) {
-        const struct parcel *parcel = &d->parcels[i];
-        struct actor *a = parcel_agent(p, d, parcel);
+        const struct item *item = &d->parcels[i];
+        struct actor *a = parcel_agent(p, d, item);
         if (a && !a->leaving) {
-            parcel_take(a, parcel, d->life);
+            item_take(a, item, d->life);
         }
     }
 }

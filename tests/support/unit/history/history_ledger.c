@@ -159,7 +159,7 @@ void ledger_committed(bool ok)
 
 /* --- at the receiver -------------------------------------------------------------------------- */
 
-static void check_order(struct actor *a, const struct entry *e, const struct parcel *p)
+static void check_order(struct actor *a, const struct entry *e, const struct item *p)
 {
     int kind = p->layer == 0 ? PRIORITIES - 1 : p->priority + 1;
     uint32_t *life = &a->last_life[e->src][kind];
@@ -175,7 +175,7 @@ static void check_order(struct actor *a, const struct entry *e, const struct par
     }
 }
 
-void ledger_hand(struct actor *a, const struct parcel *p, uint32_t life)
+void ledger_hand(struct actor *a, const struct item *p, uint32_t life)
 {
     struct entry *e = &history.ledger[p->mail];
     history.seen.taken++;

@@ -150,7 +150,7 @@ void life_check_empty(void)
     HOLD(life_status().waiting == 0);
     HOLD(b->pool.mails == 0);
     HOLD(b->mailbox.posts_pool.live == 0);
-    HOLD(b->mailbox.shares.pool.live == 0);
+    HOLD(b->mailbox.quotas.pool.live == 0);
     HOLD(b->receipts.pool.live == 0);
     HOLD(b->due.count == 0 && b->expiry.count == 0);
     HOLD(b->arrivals.first == NULL);

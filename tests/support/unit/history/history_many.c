@@ -60,15 +60,15 @@ static void box_copy(const muster_Delivery *d, uint32_t index, struct history_pr
     uint32_t slot = d->slots._buffer[index];
     int box = box_of(p, slot);
     for (uint32_t k = 0; k < d->letters._length; k++) {
-        struct parcel parcel;
+        struct item item;
         muster_Member m;
-        net_parcel_copy(&d->letters._buffer[k], d->numbers._buffer[index] + k, &parcel);
-        net_parcel_check(p, box, &parcel);
-        HOLD(parcel.number == history.life.highest[box]); /* nothing comes again so */
+        net_parcel_copy(&d->letters._buffer[k], d->numbers._buffer[index] + k, &item);
+        net_parcel_check(p, box, &item);
+        HOLD(item.number == history.life.highest[box]); /* nothing comes again so */
         HOLD(life_member(box, &m) && m.state == muster_STATE_RUNNING);
-        parcel.seat = (int)slot;
+        item.seat = (int)slot;
         if (to) {
-            to->parcels[to->parcels_count++] = parcel;
+            to->parcels[to->parcels_count++] = item;
         }
     }
 }
@@ -111,8 +111,8 @@ void many_deliver(const muster_Delivery *d)
         before = d->seats._buffer[i];
         i = process_copy(d, i);
     }
-    HOLD(processes >= MULTICAST_PLACES_MIN);
-    history.seen.circulars++;
+    HOLD(processes >= MULTICAST_PROCESSES_MIN);
+    history.seen.multicasts++;
     history.seen.by_circular += boxes * d->letters._length;
     broker_delivered(history.life.b, life_now_ns());
 }

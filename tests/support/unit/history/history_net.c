@@ -212,36 +212,36 @@ void net_feed(struct history_process *p)
 
 /* --- Deliveries ------------------------------------------------------------------------------- */
 
-void net_parcel_copy(const muster_Mail *m, uint64_t number, struct parcel *to)
+void net_parcel_copy(const muster_Mail *m, uint64_t number, struct item *to)
 {
-    *to = (struct parcel){.box = NOBODY,
-                          .src = history_name_index(m->src),
-                          .number = number,
-                          .since = m->since_wall_ns,
-                          .seq = m->seq,
-                          .priority = m->priority,
-                          .layer = m->layer,
-                          .again = m->again,
-                          .text = mu_hash_string(m->content)};
+    *to = (struct item){.box = NOBODY,
+                        .src = history_name_index(m->src),
+                        .number = number,
+                        .since = m->since_wall_ns,
+                        .seq = m->seq,
+                        .priority = m->priority,
+                        .layer = m->layer,
+                        .again = m->again,
+                        .text = mu_hash_string(m->content)};
     bool of_broker = to->src == NOBODY;
     HOLD(!of_broker || strcmp(m->src, "broker") == 0);
     to->mail = (uint32_t)strtoul(of_broker ? m->in_reply_to : m->content, NULL, 10);
     HOLD(to->mail < history.mails);
 }
 
-void net_parcel_check(const struct history_process *p, int box, const struct parcel *parcel)
+void net_parcel_check(const struct history_process *p, int box, const struct item *item)
 {
     struct life *l = &history.life;
     muster_Member m;
     HOLD(box != NOBODY && life_member(box, &m) && strcmp(m.process, p->name) == 0);
     uint64_t *highest = &l->highest[box];
-    if (*highest != 0 && parcel->number <= *highest) {
-        HOLD(parcel->number > l->acked[box]);
+    if (*highest != 0 && item->number <= *highest) {
+        HOLD(item->number > l->acked[box]);
         return;
     }
-    HOLD(*highest == 0 || parcel->number == *highest + 1);
-    HOLD(m.state == muster_STATE_RUNNING || parcel->layer == 0);
-    *highest = parcel->number;
+    HOLD(*highest == 0 || item->number == *highest + 1);
+    HOLD(m.state == muster_STATE_RUNNING || item->layer == 0);
+    *highest = item->number;
 }
 
 static void news_copy(struct history_process *p, const muster_Delivery *from)
@@ -286,9 +286,9 @@ static void delivery_copy(struct history_process *p, const muster_Delivery *from
     to->receipts_count = from->receipts._length;
     to->verdicts_count = from->verdicts._length;
     for (uint32_t i = 0; i < to->parcels_count; i++) {
-        const muster_Parcel *parcel = &from->parcels._buffer[i];
-        net_parcel_copy(&parcel->letter, parcel->number, &to->parcels[i]);
-        to->parcels[i].box = history_name_index(parcel->box);
+        const muster_Parcel *item = &from->parcels._buffer[i];
+        net_parcel_copy(&item->letter, item->number, &to->parcels[i]);
+        to->parcels[i].box = history_name_index(item->box);
         net_parcel_check(p, to->parcels[i].box, &to->parcels[i]);
     }
     for (uint32_t i = 0; i < to->receipts_count; i++) {

@@ -48,7 +48,7 @@ static bool is_housemate(const struct broker *b, uint32_t agent, uint32_t other)
     return process != MU_NONE && process == b->registry.agents[other].process;
 }
 
-bool guard_speaks(struct broker *b, const struct mail *m, uint32_t agent, const char *receiver)
+bool authorize_line(struct broker *b, const struct mail *m, uint32_t agent, const char *receiver)
 {
     struct trust_agent who = who_asks(b, m->sender);
     bool allowed = false;
@@ -67,7 +67,7 @@ bool guard_speaks(struct broker *b, const struct mail *m, uint32_t agent, const 
 }
 
 /* The directive that follows a refusal is what is refused, counted and audited. */
-bool guard_glances(struct broker *b, uint32_t asker, uint32_t agent, const char *line)
+bool authorize_probe(struct broker *b, uint32_t asker, uint32_t agent, const char *line)
 {
     const struct agent *at = &b->registry.agents[agent];
     struct trust_agent who = who_asks(b, asker), whom = {at->name, at->is.kind};
@@ -78,7 +78,7 @@ bool guard_glances(struct broker *b, uint32_t asker, uint32_t agent, const char 
     return true;
 }
 
-uint32_t guard_sift(struct broker *b, const struct mail *m, uint32_t *agents, uint32_t *count)
+uint32_t authorize_mail(struct broker *b, const struct mail *m, uint32_t *agents, uint32_t *count)
 {
     struct trust_agent who = who_asks(b, m->sender);
     struct audit_record *records[2] = {NULL, NULL};
@@ -140,7 +140,7 @@ static bool party_has(void *self, const struct trust_party *party, const char *n
                                       : has_role(b, party->name, name, inside);
 }
 
-void guard_attach(struct broker *b)
+void authorize_attach(struct broker *b)
 {
     b->trust.pages = (struct trust_pages){.self = b, .has = party_has};
 }

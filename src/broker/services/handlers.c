@@ -151,7 +151,7 @@ static void request_refuse(struct broker *b, uint32_t own, const struct mail *qu
     answer_reply(b, own, question, "not-understood");
 }
 
-static void desk_answer(struct broker *b, const struct mail *question)
+static void handler_answer(struct broker *b, const struct mail *question)
 {
     size_t i = 0;
     while (i < VERBS && strcmp(question->letter.performative, verbs[i].performative) != 0) {
@@ -166,7 +166,7 @@ static void desk_answer(struct broker *b, const struct mail *question)
     }
 }
 
-void desk_take(struct broker *b, uint32_t own, struct mail *m)
+void handlers_take(struct broker *b, uint32_t own, struct mail *m)
 {
     bool asks_state = m->letter.layer == 2 && strcmp(m->letter.performative, "state") == 0;
     if (m->letter.layer == 0) {
@@ -174,7 +174,7 @@ void desk_take(struct broker *b, uint32_t own, struct mail *m)
     } else if (asks_state) {
         metrics_answer(b, own, m);
     } else if (own == REGISTRY_BROKER) {
-        desk_answer(b, m);
+        handler_answer(b, m);
     } else {
         request_refuse(b, own, m);
     }
