@@ -22,7 +22,7 @@ from support import new_domain, program, wait_for  # noqa: E402
 from test_store import broker_again, kill, receipts, receiver_start, whole_lines  # noqa: E402
 
 # Three senders may have 8,192 mails each in a box, however slow its receiver is.
-RUNS, KILLS, MAILS, CHANGES, SECONDS_MAX = 10, 10, 8000, 100000, 540
+RUNS, KILLS, MAILS, CHANGES, SECONDS_MAX = 10, 10, 8000, 1000000, 540
 SENDERS = (("plain", "logged", ()), ("mixed", "logged", ("mixed",)), ("synced", "synced", ()))
 CHANGERS = ("one", "other")
 WINDOW = 200 + 8  # MU_WINDOW_MAX, and directives beyond it
