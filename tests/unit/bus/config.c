@@ -202,7 +202,7 @@ static void test_several_hosts(void)
     CU_ASSERT_EQUAL(times("<Peer "), 6);
 }
 
-/* Who may have to look for its hub says often that it is there; a broker asks behind
+/* A process that may have to look for its hub says often that it is there. A broker asks behind
  * shorter pauses what has arrived, and on loopback less often without one. */
 static void test_intervals(void)
 {
