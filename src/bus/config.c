@@ -152,20 +152,24 @@ void config_write(struct mu_text *xml, const struct bus_options *options, int in
                    "<MaxAutoParticipantIndex>%d</MaxAutoParticipantIndex><Peers>",
                    index, CONFIG_INDEX_END);
     peers_write(xml, options, interface);
-    /* Watermarks: a writer refuses to write beyond 2 MB that a reader has not acknowledged. That is
-     * what it writes to a process of a run at 400 steps a second in the 10 s until DDS misses a
-     * reader that was killed; what is back in its place would have to wait. (In memory it may be
-     * 14 MB: a small sample takes 4 KiB.) It begins at 30 kB, unless told. It adapts: each sample
-     * that a reader asks for again lowers it, so that writers to a tool that was killed would stop.
-     * ReceiveBufferSize: one packet that waits for those before it holds a whole buffer, as of a
-     * process that was killed until its lease ends; the default is 1 MiB. */
+    /* Watermarks: a writer refuses to write beyond them what a reader has not acknowledged.  One
+     * that was killed acknowledges nothing until its lease ends, 10 s later, and what is back in
+     * its place waits, too.  A broker writes less than 2 MB in that time to a process of a run at
+     * 400 steps a second; in memory it may be 14 MB, for a small sample takes 4 KiB.  A process
+     * writes more in a flood of mail.  They begin at 30 kB, unless told.  They adapt: each sample
+     * that a reader asks for again lowers them, so that writers to a tool that was killed would
+     * stop. ReceiveBufferSize: one packet that waits for those before it holds a whole buffer, as
+     * of a process that was killed until its lease ends; the default is 1 MiB. */
     mu_text_format(xml,
                    "</Peers><SPDPInterval>%s</SPDPInterval></Discovery>"
                    "<Internal><WriterLingerDuration>0s</WriterLingerDuration>",
                    presence_interval(options));
     heartbeat_write(xml, options, interface);
-    mu_text_format(xml, "<Watermarks><WhcHigh>2MB</WhcHigh><WhcHighInit>2MB</WhcHighInit>"
-                        "<WhcAdaptive>false</WhcAdaptive></Watermarks></Internal>"
-                        "<Sizing><ReceiveBufferSize>256KiB</ReceiveBufferSize></Sizing>"
-                        "</Domain></CycloneDDS>");
+    const char *unacknowledged = options->place == BUS_BROKER ? "2MB" : "8MB";
+    mu_text_format(xml,
+                   "<Watermarks><WhcHigh>%s</WhcHigh><WhcHighInit>%s</WhcHighInit>"
+                   "<WhcAdaptive>false</WhcAdaptive></Watermarks></Internal>"
+                   "<Sizing><ReceiveBufferSize>256KiB</ReceiveBufferSize></Sizing>"
+                   "</Domain></CycloneDDS>",
+                   unacknowledged, unacknowledged);
 }

@@ -12,7 +12,7 @@
 #include <sys/ioctl.h>
 
 /* What a reader does not take is kept, up to so much: then it is the writer that waits.
- * DDS keeps 2 MB (config.c). */
+ * As what DDS keeps of a process (config.c). */
 enum { WAITING_MAX = 8 << 20 };
 
 /* So long a sample waits for the answer of a reader; then the pair stays with DDS.  A reader that
