@@ -185,7 +185,7 @@ struct snapshot *snapshots_add(struct broker *b, uint32_t agent, const char *nam
 bool snapshots_restore(struct broker *b, uint32_t agent, uint64_t epoch, const char *text)
 {
     size_t len = strnlen(text, MU_CAPSULE_MAX);
-    bool fits = len > 0 && len < MU_CAPSULE_MAX;
+    bool fits = len > 0 && len < MU_CAPSULE_MAX && epoch > 0;
     const char *name = b->registry.agents[agent].name;
     struct snapshot *c = fits ? snapshots_add(b, agent, name, epoch, text) : NULL;
     if (c) {
@@ -303,15 +303,10 @@ bool snapshots_overrule(const struct broker *b, uint32_t agent, uint32_t place,
     return false;
 }
 
-bool snapshots_keep(struct broker *b, uint32_t agent)
-{
-    return snapshot_of(b, agent) != NULL;
-}
-
-bool snapshots_have_later(struct broker *b, uint32_t agent, uint64_t epoch)
+uint64_t snapshots_epoch(struct broker *b, uint32_t agent)
 {
     const struct snapshot *c = snapshot_of(b, agent);
-    return c && epoch > 0 && c->epoch > epoch;
+    return c ? c->epoch : 0;
 }
 
 uint64_t snapshots_deadline_ns(const struct broker *b)

@@ -95,11 +95,8 @@ void snapshots_heard(struct broker *b, uint32_t agent, uint32_t place);
 bool snapshots_overrule(const struct broker *b, uint32_t agent, uint32_t place,
                         const struct presence *is);
 
-/** @return whether a copy of an agent is kept here */
-bool snapshots_keep(struct broker *b, uint32_t agent);
-
-/** @return whether a later copy of an agent that no process has is kept here */
-bool snapshots_have_later(struct broker *b, uint32_t agent, uint64_t epoch);
+/** @return the epoch of the copy of an agent that is kept here, or 0: none is */
+uint64_t snapshots_epoch(struct broker *b, uint32_t agent);
 
 /** @return when transfer_tick is needed next, or UINT64_MAX */
 uint64_t snapshots_deadline_ns(const struct broker *b);

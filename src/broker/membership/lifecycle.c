@@ -83,17 +83,19 @@ void lifecycle_claim(struct broker *b, struct claim *c)
     }
 }
 
-bool lifecycle_is_copy(const struct agent *a, const struct presence *is)
+/* The process that it has left may have gone before it was seen on its way: its snapshot was. */
+bool lifecycle_is_copy(struct broker *b, uint32_t agent, const struct presence *is)
 {
-    return is->epoch > 0 && is->epoch == a->is.epoch;
+    bool is_known = is->epoch == b->registry.agents[agent].is.epoch;
+    return is->epoch > 0 && (is_known || is->epoch == snapshots_epoch(b, agent));
 }
 
 /* @return the claim of the process for which the last bearer has set out, or MU_NONE */
-static uint32_t copy_claim(const struct broker *b, uint32_t agent)
+static uint32_t copy_claim(struct broker *b, uint32_t agent)
 {
     const struct agent *a = &b->registry.agents[agent];
     MU_LIST_EACH (i, &a->claims, MU_LINKS(b->claims.at, behind)) {
-        if (lifecycle_is_copy(a, &b->claims.at[i].presence)) {
+        if (lifecycle_is_copy(b, agent, &b->claims.at[i].presence)) {
             return i;
         }
     }
@@ -213,7 +215,7 @@ void lifecycle_depart(struct broker *b, uint32_t agent)
     retire_disposed(b, agent); /* before another agent gets the name */
     names_changed(b);
     notify_presence(b, agent);
-    if (!clock_by_steps(&b->clock) && snapshots_keep(b, agent)) {
+    if (!clock_by_steps(&b->clock) && snapshots_epoch(b, agent) > 0) {
         names_hold(b, agent);
     }
     if (names_is_held(b, agent) && copy_claim(b, agent) == MU_NONE) {

@@ -52,7 +52,7 @@ void lifecycle_claim(struct broker *b, struct claim *c);
 void lifecycle_refuse_held(struct broker *b, uint32_t agent, uint32_t place, const char *home);
 
 /** It is the last bearer itself, which has set out for there. */
-bool lifecycle_is_copy(const struct agent *a, const struct presence *is);
+bool lifecycle_is_copy(struct broker *b, uint32_t agent, const struct presence *is);
 
 /* --- registration.c -------------------------------------------------------------------------- */
 

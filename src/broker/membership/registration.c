@@ -108,9 +108,9 @@ static void claim_admit(struct broker *b, struct claim *c)
         a->kept_until_ns = 0;       /* the agent that it was kept for had come */
         lifecycle_depart(b, agent); /* the name went to another agent of the same process */
     }
-    if (a->process == MU_NONE && snapshots_have_later(b, agent, is->epoch)) {
+    if (a->process == MU_NONE && is->epoch > 0 && snapshots_epoch(b, agent) > is->epoch) {
         processes_refuse(&b->processes, place, a->name, muster_REFUSAL_OUT_OF_DATE, "out of date");
-    } else if (is->newcomer && names_is_held(b, agent) && !lifecycle_is_copy(a, is)) {
+    } else if (is->newcomer && names_is_held(b, agent) && !lifecycle_is_copy(b, agent, is)) {
         lifecycle_claim(b, c);
     } else if (a->process == MU_NONE) {
         lifecycle_seat(b, c);

@@ -176,7 +176,7 @@ static void subscriptions_clear(struct broker *b, const char *name)
 static void name_clear(struct broker *b, uint32_t agent)
 {
     struct agent *a = &b->registry.agents[agent];
-    if (snapshots_keep(b, agent)) { /* it is on its way */
+    if (snapshots_epoch(b, agent) > 0) { /* it is on its way */
         registry_named_on(&b->registry, agent, NAMED_BORNE);
         return;
     }

@@ -56,7 +56,7 @@ static void deposit_take(struct broker *b, uint32_t place, const muster_Trip *tr
 {
     uint32_t agent = registry_find(&b->registry, trip->agent);
     uint32_t host = registry_find(&b->registry, trip->host);
-    if (agent == MU_NONE || b->registry.agents[agent].process != place) {
+    if (agent == MU_NONE || b->registry.agents[agent].process != place || trip->epoch == 0) {
         b->counters.malformed++;
         return;
     }

@@ -686,6 +686,31 @@ static void test_a_name_is_kept_for_who_is_on_its_way(void)
     CU_ASSERT_EQUAL(story.b->claims.pool.live, 0);
 }
 
+/* The registration in which it is on its way is replaced before the broker reads it. */
+static void move_unseen(void)
+{
+    story_begin();
+    story_join("red");
+    host_join("north");
+    (void)story_collect();
+    deposit("p-red", "red", 1, "north", muster_STEP_NOW);
+    EXPECT("p-north: red arrive 1 capsule");
+}
+
+static void test_who_was_not_seen_on_its_way_does_not_wait(void)
+{
+    move_unseen();
+    story_register_newcomer("red", "p-north", 1);
+    ready("p-north", "red", 1);
+    story_leave("red", "p-red");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-north");
+    move_unseen();
+    story_leave("red", "p-red");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-red");
+    story_register_newcomer("red", "p-north", 1);
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-north");
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -714,6 +739,8 @@ int main(void)
         {"who has ended is nobody's heir", test_who_has_ended_is_nobodys_heir},
         {"who waits for a member is nobody's heir", test_who_waits_for_a_member_is_nobodys_heir},
         {"a move", test_a_move},
+        {"who was not seen on its way does not wait",
+         test_who_was_not_seen_on_its_way_does_not_wait},
         {"who acknowledges mail lives", test_who_acknowledges_mail_lives},
         {"a host dies with the name", test_a_host_dies_with_the_name},
         {"both die", test_both_die},
