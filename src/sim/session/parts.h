@@ -20,8 +20,10 @@ struct session_agent {
     int32_t process;      /* index of the process that it lives in; -1: none */
     int32_t next_process; /* from the next step on; -1: the same */
     uint32_t slot;        /* of a robot: the place of its entry in that process's registration */
-    muster_State state;   /* in its last act */
-    int32_t totals;       /* index of what it amounts to; -1: it came while the run went on */
+    char heir[MU_PROCESS_MAX + 1]; /* another process that says it has the name; "": none */
+    uint32_t heir_slot;
+    muster_State state; /* in its last act */
+    int32_t totals;     /* index of what it amounts to; -1: it came while the run went on */
     unsigned char digest[RUN_HASH_BYTES]; /* of what it did in its last step, ... */
     int64_t acted;                        /* ... which is the one before this */
 };

@@ -60,6 +60,25 @@ static bool process_holds(const struct session *s, const struct session_agent *a
     return agent->process >= 0 && strcmp(s->processes[agent->process].name, process) == 0;
 }
 
+/* Processes are heard in any order: that one has the name before the other one has left it. */
+static void heir_hear(struct session_agent *agent, const char *process, uint32_t slot,
+                      bool has_name)
+{
+    if (has_name) {
+        mu_text_copy(agent->heir, sizeof agent->heir, process);
+        agent->heir_slot = slot;
+    } else if (strcmp(agent->heir, process) == 0 && agent->heir_slot == slot) {
+        agent->heir[0] = '\0';
+    }
+}
+
+static void process_pass(struct session *s, struct session_agent *agent)
+{
+    agent->process = agent->heir[0] != '\0' ? process_add(s, agent->heir) : -1;
+    agent->slot = agent->heir_slot;
+    agent->heir[0] = '\0';
+}
+
 /* @return whether an agent of the run has got or lost its process */
 static bool entry_take(struct session *s, const muster_Registration *r, uint32_t index)
 {
@@ -77,14 +96,14 @@ static bool entry_take(struct session *s, const muster_Registration *r, uint32_t
         return false;
     }
     bool holds = process_holds(s, agent, r->process);
-    if (e->state == muster_STATE_ABSENT) {
-        bool left = holds && agent->slot == slot;
-        agent->process = left ? -1 : agent->process;
-        return left;
+    bool fits = (!is_robot || e->kind == muster_KIND_ROBOT) && !r->watches;
+    bool left = e->state == muster_STATE_ABSENT;
+    if (holds && left && agent->slot == slot) {
+        process_pass(s, agent);
+        return true;
     }
-    /* While a body has a controller, another one waits. */
-    bool fits = !is_robot || e->kind == muster_KIND_ROBOT;
-    if (!fits || r->watches || (agent->process >= 0 && !holds)) {
+    if (left || !fits || (agent->process >= 0 && !holds)) {
+        heir_hear(agent, r->process, slot, fits && !left && !e->newcomer);
         return false;
     }
     agent->process = holds ? agent->process : process_add(s, r->process);
@@ -105,8 +124,11 @@ static bool process_leave(struct session *s, const muster_Registration *r, bool 
         struct session_agent *agent = &s->agents.at[i];
         bool had_part = agent->body >= 0 || !phase_has_begun(s) || s->options.free;
         bool of_part = had_part && agent->slot / MU_PART_AGENTS == r->part;
+        if (lost || agent->heir_slot / MU_PART_AGENTS == r->part) {
+            heir_hear(agent, r->process, agent->heir_slot, false);
+        }
         if (process_holds(s, agent, r->process) && (lost || of_part)) {
-            agent->process = -1;
+            process_pass(s, agent);
             changed = true;
         }
     }

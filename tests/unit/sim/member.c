@@ -149,6 +149,65 @@ static void hear(const char *process, const char *agent, enum bus_life life)
     roster_hear(&s, &r, life);
 }
 
+/* In free running, or before the first step: what a process says of robot0. */
+static void say(uint32_t process, muster_State its_state, bool newcomer, enum bus_life life)
+{
+    static struct session_robot robot;
+    char name[] = "robot0";
+    muster_Entry e = {
+        .name = name, .kind = muster_KIND_ROBOT, .state = its_state, .newcomer = newcomer};
+    muster_Registration r = {.wire = muster_WIRE, .process = s.processes[process].name};
+    r.broker = name;
+    r.agents._buffer = &e;
+    r.agents._length = 1;
+    s.phase = PHASE_GATHERING;
+    s.robots = &robot;
+    roster_register(&s, &r, life);
+}
+
+static int32_t controller(void)
+{
+    return s.agents.at[0].process;
+}
+
+static void test_a_body_has_the_process_that_has_the_name(void)
+{
+    say(HOST, muster_STATE_MOVING, true, BUS_DATA); /* it asks for it */
+    say(CARTER, muster_STATE_ABSENT, false, BUS_DATA);
+    CU_ASSERT_EQUAL(controller(), -1);
+    say(HOST, muster_STATE_RUNNING, false, BUS_DATA);
+    CU_ASSERT_EQUAL(controller(), HOST);
+    say(CARTER, muster_STATE_MOVING, true, BUS_DATA);
+    say(CARTER, muster_STATE_RUNNING, false, BUS_DATA); /* heard of before the other one has left */
+    CU_ASSERT_EQUAL(controller(), HOST);
+    say(HOST, muster_STATE_ABSENT, false, BUS_DATA);
+    CU_ASSERT_EQUAL(controller(), CARTER);
+    say(HOST, muster_STATE_ABSENT, false, BUS_DATA);
+    CU_ASSERT_EQUAL(controller(), CARTER);
+}
+
+static void test_an_heir_that_has_gone_inherits_nothing(void)
+{
+    say(HOST, muster_STATE_RUNNING, false, BUS_DATA);
+    say(HOST, muster_STATE_ABSENT, false, BUS_DATA);
+    say(CARTER, muster_STATE_ABSENT, false, BUS_DATA);
+    CU_ASSERT_EQUAL(controller(), -1);
+    say(CARTER, muster_STATE_RUNNING, false, BUS_DATA);
+    for (enum bus_life life = BUS_DISPOSED; life <= BUS_LOST; life++) {
+        say(HOST, muster_STATE_RUNNING, false, BUS_DATA);
+        say(HOST, muster_STATE_RUNNING, false, life);
+        say(CARTER, muster_STATE_RUNNING, false, life);
+        CU_ASSERT_EQUAL(controller(), -1);
+        say(CARTER, muster_STATE_RUNNING, false, BUS_DATA);
+        say(HOST, muster_STATE_RUNNING, false, BUS_DATA);
+        say(CARTER, muster_STATE_RUNNING, false, life);
+        CU_ASSERT_EQUAL(controller(), HOST);
+        say(HOST, muster_STATE_RUNNING, false, life);
+        say(CARTER, muster_STATE_RUNNING, false, BUS_DATA);
+        CU_ASSERT_EQUAL(controller(), CARTER);
+    }
+}
+
 static void test_a_process_is_slow_for_a_moment(void)
 {
     hear("carter.1", "robot0", BUS_LOST);
@@ -245,6 +304,8 @@ int main(void)
     CU_TestInfo tests[] = {
         {"the whole table", test_the_whole_table},
         {"who gets steps", test_who_gets_steps},
+        {"a body has the process that has the name", test_a_body_has_the_process_that_has_the_name},
+        {"an heir that has gone inherits nothing", test_an_heir_that_has_gone_inherits_nothing},
         {"a process is slow for a moment", test_a_process_is_slow_for_a_moment},
         {"a successor comes before or after the loss",
          test_a_successor_comes_before_or_after_the_loss},
