@@ -61,6 +61,35 @@ bool mu_name_reserved(const char *name)
            strncmp(name, "broker.", 7) == 0;
 }
 
+static const struct {
+    const char *now, *was;
+} renamed[] = {
+    {"broker.names", "broker.registrar"},
+    {"broker.mail", "broker.postmaster"},
+    {"broker.delivery", "broker.courier"},
+    {"broker.federation", "broker.liaison"},
+};
+
+const char *mu_name_now(const char *name)
+{
+    for (size_t i = 0; i < sizeof renamed / sizeof renamed[0]; i++) {
+        if (strcmp(name, renamed[i].was) == 0) {
+            return renamed[i].now;
+        }
+    }
+    return name;
+}
+
+const char *mu_name_was(const char *name)
+{
+    for (size_t i = 0; i < sizeof renamed / sizeof renamed[0]; i++) {
+        if (strcmp(name, renamed[i].now) == 0) {
+            return renamed[i].was;
+        }
+    }
+    return NULL;
+}
+
 bool mu_name_check(const char *program, const char *whose, const char *name)
 {
     char shown[MU_TEXT_SHOWN];

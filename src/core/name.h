@@ -28,4 +28,11 @@ bool mu_name_of_group(const char *name);
  *  other: operator-N */
 bool mu_name_of_operator(const char *name);
 
+/** @return the name of the broker's part that version 0.1 called so, for one version; else the same
+ */
+const char *mu_name_now(const char *name);
+
+/** @return what version 0.1 called a part of the broker that has another name now, or NULL */
+const char *mu_name_was(const char *name);
+
 #endif

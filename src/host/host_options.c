@@ -12,7 +12,7 @@ static struct mu_option own[] = {
                .max = 256),
     MU_NAMES("take", "PATTERN", options.take,
              "take in agents of such names alone, for example 'w_*,red'"),
-    MU_INTEGER("bytes", "N", options.bytes, "take in capsules of at most so many bytes",
+    MU_INTEGER("bytes", "N", options.bytes, "take in snapshots of at most so many bytes",
                .fallback = "1000000", .min = 1000, .max = 1000000),
     MU_LIST("robot", "NAME=FILE", options.natives,
             "a robot that begins here, and its rules; may stand several times"),

@@ -3,6 +3,7 @@
 
 #include "core/built.h"
 #include "core/clock.h"
+#include "core/name.h"
 #include "core/signals.h"
 #include "muster/kind.h"
 #include "muster/memory.h"
@@ -209,7 +210,7 @@ void mu_process_stop(mu_process *p)
 
 const struct mu_member *mu_process_lookup(const mu_process *p, const char *name)
 {
-    return name ? members_find(&p->members, name) : NULL;
+    return name ? members_find(&p->members, mu_name_now(name)) : NULL;
 }
 
 const struct mu_member *mu_process_member(const mu_process *p, size_t index)

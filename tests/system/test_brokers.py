@@ -55,7 +55,7 @@ def team_start(processes, domain, out, *words):
 
 
 def counter(domain, broker, name):
-    done = muster("lookup", "broker.postmaster", "--domain", domain, "--broker", broker)
+    done = muster("lookup", "broker.mail", "--domain", domain, "--broker", broker)
     found = [line.split()[1] for line in done.stdout.splitlines() if line.split()[0] == name]
     return int(found[0]) if found else -1
 

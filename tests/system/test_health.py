@@ -7,7 +7,7 @@ import subprocess
 from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, folder, members, muster,
                      new_domain, observer_environment, program, tool_python, wait_for)
 
-PARTS = ("registrar", "postmaster", "courier", "groups", "services", "trust", "journal", "liaison")
+PARTS = ("names", "mail", "delivery", "groups", "services", "trust", "journal", "federation")
 
 
 def counters(domain, part):
@@ -46,11 +46,13 @@ def test_parts_stand_in_the_white_pages():
             line = pages[f"broker.{part}"]
             check_equal((line["kind"], line["state"], line["pid"]),
                         ("special", "running", broker.pid), part)
-        done = muster("lookup", "broker.courier", "--domain", domain)
+        done = muster("lookup", "broker.delivery", "--domain", domain)
         check(any(line.split()[:1] == ["deliveries"] for line in done.stdout.splitlines()),
               done.stdout)
         check_equal(counters(domain, "broker.trust")["refused"], 0, "directives refused")
-        check("courier.deliveries" in counters(domain, "broker"), "all parts at once")
+        check("delivery.deliveries" in counters(domain, "broker"), "all parts at once")
+        before = counters(domain, "broker.courier")  # its name in 0.1, and those of its counters
+        check(before["parcels"] <= before["items"] <= counters(domain, "broker.delivery")["parcels"], before)
 
 
 def test_an_option_keeps_one_process_off_the_sockets():
@@ -63,7 +65,7 @@ def test_an_option_keeps_one_process_off_the_sockets():
         check_equal(muster("wait", "red", "blue", "--local", "on", "--domain", domain).returncode, 0, "both")
 
         def ways():
-            done = muster("lookup", "broker.registrar", "--json", "--local", "on", "--domain", domain)
+            done = muster("lookup", "broker.names", "--json", "--local", "on", "--domain", domain)
             found = json.loads(done.stdout)["counters"]
             return found["by-socket"] > 0 and found["by-dds"] == 2
         wait_for(ways, 10, "both readers of blue alone have their mail by DDS")
@@ -88,10 +90,10 @@ def test_counters_are_told_to_late_comers_and_grow_with_the_mail():
         wait_for(lambda: watch.look("status")["oldest_ns"] > age, 10, "the oldest grows older")
         wait_for(lambda: watch.look("status")["cpu_ns"] > cpu, 10, "the processor is used")
         check(watch.look("status")["resident_bytes"] > 1 << 20, "some memory")
-        wait_for(lambda: watch.look("broker.postmaster").get("waiting") == 3, 10, "the part says so")
+        wait_for(lambda: watch.look("broker.mail").get("waiting") == 3, 10, "the part says so")
         check_equal(set(watch.told), {"status", *(f"broker.{part}" for part in PARTS)}, "who tells")
         processes.start(program("mail_receiver"), domain, "receiver", out / "record")
-        wait_for(lambda: watch.look("broker.postmaster").get("waiting") == 0, 10, "none waits")
+        wait_for(lambda: watch.look("broker.mail").get("waiting") == 0, 10, "none waits")
         wait_for(lambda: watch.look("status").get("oldest_ns") == 0, 10, "nor is any old")
 
 
@@ -123,21 +125,21 @@ def test_the_interval_is_an_option_and_is_tuned_by_directive():
         wait_for(lambda: muster("ps", "--domain", domain).returncode == 0, 10, "a broker")
         processes.start(program("mail_receiver"), domain, "receiver", out / "record")
         wait_for(lambda: "receiver" in members(domain), 10, "the receiver in the white pages")
-        check_equal(counters(domain, "broker.courier")["interval-ns"], 20000000, "the option")
+        check_equal(counters(domain, "broker.delivery")["interval-ns"], 20000000, "the option")
         done = muster("do", "broker", "(delivery-interval 50)", "--domain", domain)
         check_equal((done.returncode, done.stdout), (0, "broker: delivery-interval 50\n"), "set")
-        check_equal(counters(domain, "broker.courier")["interval-ns"], 50000000, "the directive")
+        check_equal(counters(domain, "broker.delivery")["interval-ns"], 50000000, "the directive")
         done = subprocess.run([program("mail_sender"), str(domain), "sender", "receiver", "2000"],
                               capture_output=True, text=True, timeout=60)
         check_equal(done.stdout.strip(), "delivered 2000", "mail all the same")
-        counted = counters(domain, "broker.courier")
+        counted = counters(domain, "broker.delivery")
         check(counted["wakings"] > 0 and counted["delay-ns"] > 0, f"the interval: {counted}")
-        check(counted["most-parcels"] > 10, f"many mails in one delivery: {counted}")
+        check(counted["most-items"] > 10, f"many mails in one delivery: {counted}")
         for wrong in ("(delivery-interval 60001)", "(delivery-interval soon)"):
             done = muster("do", "broker", wrong, "--domain", domain)
             check_equal(done.returncode, 8, wrong)
             check("expected milliseconds, from 0 (at once) to 60000" in done.stdout, done.stdout)
-        check_equal(counters(domain, "broker.courier")["interval-ns"], 50000000, "as it was")
+        check_equal(counters(domain, "broker.delivery")["interval-ns"], 50000000, "as it was")
         done = muster("do", "broker", "(delivery-interval 0)", "--as", "red", "--domain", domain)
         check_equal(done.returncode, 6, "red may not")
         check_equal(muster("broker", "x", "--delivery-interval", "-1").returncode, 2, "wrong usage")

@@ -46,7 +46,7 @@ def test_what_a_box_refused_stays_refused():
 
 def waiting(domain):
     """How many mails wait in boxes."""
-    done = muster("lookup", "broker.postmaster", "--domain", domain)
+    done = muster("lookup", "broker.mail", "--domain", domain)
     words = [line.split() for line in done.stdout.splitlines()]
     return sum(int(w[1]) for w in words if w[0] == "waiting")
 

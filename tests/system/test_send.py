@@ -127,7 +127,7 @@ def test_a_full_box_is_an_exit_code():
         waits = processes.start(MUSTER, "send", "bob", "one", "--wait", 20, "--as", "ann",
                                 "--domain", domain, stderr=subprocess.PIPE)
         wait_for(lambda: "ann" in members(domain), 10, "a sender that waits")
-        wait_for(lambda: "waiting 1" in " ".join(muster("lookup", "broker.postmaster", "--domain",
+        wait_for(lambda: "waiting 1" in " ".join(muster("lookup", "broker.mail", "--domain",
                                                         domain).stdout.split()), 10, "its mail")
         check_equal(send(domain, "bob", "two").returncode, 0, "it made room")
         _, said = waits.communicate(timeout=60)
@@ -260,7 +260,7 @@ def test_verbs_do_not_stand_in_each_others_way():
         busy = processes.start(MUSTER, "send", "ann", "tell", "--wait", 3, "--domain", domain)
         wait_for(lambda: members(domain).get("operator", {}).get("state") == "running", 10, "one")
         readers = [processes.start(MUSTER, *verb, "--domain", domain)
-                   for verb in (("ps",), ("ps",), ("lookup", "ann"), ("lookup", "broker.courier"),
+                   for verb in (("ps",), ("ps",), ("lookup", "ann"), ("lookup", "broker.delivery"),
                                 ("group", "list"), ("service", "list"))]
         late = subprocess.run([MUSTER, "send", "ann", "tell x", "--domain", str(domain)],
                               capture_output=True, text=True, timeout=30)
@@ -350,7 +350,7 @@ def test_what_cannot_be_done_is_refused_with_its_code():
                 ("resume", "red", 6, "red refuses: resume wrong-state standby"),
                 ("suspend", "north", 6, "north refuses: suspend unsupported"),
                 ("suspend", "broker", 6, "broker refuses: suspend unsupported"),
-                ("dispose", "broker.courier", 6, "courier refuses: dispose unsupported"),
+                ("dispose", "broker.delivery", 6, "delivery refuses: dispose unsupported"),
                 ("suspend", "red,nobody", 6, "to nobody: unknown-name"),
                 ("start", "ann", 0, ""), ("suspend", "ann", 0, ""), ("suspend", "ann", 0, ""),
                 ("start", "ann", 6, "ann refuses: start wrong-state suspended"),

@@ -2,6 +2,7 @@
 
 #include "broker/control/step.h"
 #include "broker/membership/membership.h"
+#include "core/name.h"
 #include "muster/memory.h"
 
 #include <stdio.h>
@@ -23,6 +24,7 @@ static void broker_enlist(struct broker *b, const struct broker_options *options
         registry_seat(&b->registry, own, MU_NONE, "", &is, options->wall_ns);
         b->registry.agents[own].scope = scope_of_line(own != REGISTRY_BROKER);
         is.no_broadcasts = true;
+        registry_alias(&b->registry, own, mu_name_was(name));
     }
 }
 

@@ -199,6 +199,9 @@ const char *registry_objection(const char *name, muster_Kind kind);
  * @return its index, or MU_NONE when full */
 uint32_t registry_add(struct registry *r, const char *name);
 
+/** A name that lasts is found by another one, too.  @param alias  stays where it is; NULL: none */
+void registry_alias(struct registry *r, uint32_t agent, const char *alias);
+
 /** Enters the name of a command where registry_add finds no place.  @return as registry_add */
 uint32_t registry_add_command(struct registry *r, const char *name);
 

@@ -37,7 +37,7 @@ void registry_init(struct registry *r, uint32_t names)
     r->agents = mu_startup_array(REGISTRY_MAX, sizeof *r->agents);
     mu_table_init(&r->graveyard.names, GRAVES_MAX);
     changelog_init(&r->changes, REGISTRY_MAX);
-    mu_table_init(&r->names, REGISTRY_MAX);
+    mu_table_init(&r->names, REGISTRY_MAX + REGISTRY_OWN);
 }
 
 const char *registry_objection(const char *name, muster_Kind kind)
@@ -110,6 +110,12 @@ static uint32_t index_name(struct registry *r, uint32_t index, const char *name)
 uint32_t registry_add(struct registry *r, const char *name)
 {
     return index_name(r, mu_pool_take(&r->ordinary), name);
+}
+
+void registry_alias(struct registry *r, uint32_t agent, const char *alias)
+{
+    mu_result put = alias ? mu_table_put(&r->names, alias, agent) : MU_OK;
+    MU_ASSERT(put == MU_OK);
 }
 
 uint32_t registry_add_command(struct registry *r, const char *name)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/control/parts.h"
+#include "core/name.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -10,14 +11,14 @@ static const struct {
     const char *name, *job;
 } parts[PARTS_END] = {
     [0] = {"broker", "all of them"},
-    [PART_NAMES] = {"registrar", "names: which process has them, and in which state"},
-    [PART_MAIL] = {"postmaster", "a mail's way into boxes, and what becomes of it"},
-    [PART_DELIVERY] = {"courier", "what is ready for a process, as one delivery"},
+    [PART_NAMES] = {"names", "which process has them, and in which state"},
+    [PART_MAIL] = {"mail", "its way into boxes, and what becomes of it"},
+    [PART_DELIVERY] = {"delivery", "what is ready for a process, as one sample"},
     [PART_GROUPS] = {"groups", "which agents are members of which group"},
     [PART_SERVICES] = {"services", "the yellow pages"},
     [PART_TRUST] = {"trust", "whose directives are carried out"},
     [PART_JOURNAL] = {"journal", "what must be on disk before any process is told"},
-    [PART_FEDERATION] = {"liaison", "the other brokers"},
+    [PART_FEDERATION] = {"federation", "the other brokers"},
 };
 
 static uint64_t refused(const struct broker *b)
@@ -37,12 +38,13 @@ static const struct metric counters[] = {
      AT(retirement.ended)},
     {PART_NAMES, "processes", "processes that it serves now", AT(processes.names.count)},
     {PART_NAMES, "claims", "names that another process waits for now", AT(claims.pool.live)},
-    {PART_NAMES, "capsules", "capsules of agents on their way that it keeps now",
-     AT(snapshots.count)},
-    {PART_NAMES, "capsules-kept", "of them, ever", AT(snapshots.kept)},
-    {PART_NAMES, "capsules-refused", "of them, whose agents stayed", AT(snapshots.refused)},
-    {PART_NAMES, "capsules-restored", "of them, given to a host because no process had the agent",
-     AT(snapshots.restored)},
+    {PART_NAMES, "snapshots", "snapshots of agents on their way that it keeps now",
+     AT(snapshots.count), .was = "capsules"},
+    {PART_NAMES, "snapshots-kept", "of them, ever", AT(snapshots.kept), .was = "capsules-kept"},
+    {PART_NAMES, "snapshots-refused", "of them, whose agents stayed", AT(snapshots.refused),
+     .was = "capsules-refused"},
+    {PART_NAMES, "snapshots-restored", "of them, given to a host because no process had the agent",
+     AT(snapshots.restored), .was = "capsules-restored"},
     {PART_NAMES, "changes", "changes of the white pages", AT(registry.changes.version)},
     {PART_NAMES, "by-socket",
      "readers of its deliveries, two a process, that have them by a socket", AT(ways.sockets)},
@@ -82,10 +84,11 @@ static const struct metric counters[] = {
      .read = outcome_oldest_ns},
 
     {PART_DELIVERY, "deliveries", "samples written to processes", AT(dispatch.count.deliveries)},
-    {PART_DELIVERY, "circulars", "of them, those written once for many processes",
-     AT(dispatch.count.multicasts)},
-    {PART_DELIVERY, "parcels", "mails in them", AT(dispatch.count.items)},
-    {PART_DELIVERY, "most-parcels", "mails in the fullest of them", AT(dispatch.count.most_items)},
+    {PART_DELIVERY, "multicasts", "of them, those written once for many processes",
+     AT(dispatch.count.multicasts), .was = "circulars"},
+    {PART_DELIVERY, "items", "mails in them", AT(dispatch.count.items), .was = "parcels"},
+    {PART_DELIVERY, "most-items", "mails in the fullest of them", AT(dispatch.count.most_items),
+     .was = "most-parcels"},
     {PART_DELIVERY, "resent", "mails handed out again, for want of an acknowledgement",
      AT(counters.resent)},
     {PART_DELIVERY, "blocked", "times that the network did not take a delivery",
@@ -114,12 +117,12 @@ static const struct metric counters[] = {
     {PART_TRUST, "allowed",
      "directives let through, one a receiver, and changes in another agent's name", AT(directed)},
     {PART_TRUST, "refused", "of both, refused", .read = refused},
-    {PART_TRUST, "glances", "lines that only look, let through outside of every step",
-     AT(probes.asked)},
-    {PART_TRUST, "glances-declined", "lines that only look, and came back without an answer",
-     AT(probes.declined)},
-    {PART_TRUST, "glances-lost", "of them, those that were not told, because too many waited",
-     AT(probes.lost)},
+    {PART_TRUST, "probes", "lines that only look, let through outside of every step",
+     AT(probes.asked), .was = "glances"},
+    {PART_TRUST, "probes-declined", "lines that only look, and came back without an answer",
+     AT(probes.declined), .was = "glances-declined"},
+    {PART_TRUST, "probes-lost", "of them, those that were not told, because too many waited",
+     AT(probes.lost), .was = "glances-lost"},
     {PART_TRUST, "audited", "records for the audit log", AT(audit.recorded)},
     {PART_TRUST, "audit-lost", "records lost, because too many waited", AT(audit.lost)},
     {PART_TRUST, "audit-failed", "records that could not be written", AT(audit.failed)},
@@ -130,7 +133,8 @@ static const struct metric counters[] = {
     {PART_FEDERATION, "peers", "other brokers that are there now", AT(federation.peers_there)},
     {PART_FEDERATION, "announced", "parts of the white pages told to them",
      AT(federation.count.announced)},
-    {PART_FEDERATION, "parcels-in", "mails taken from them", AT(federation.count.items_in)},
+    {PART_FEDERATION, "items-in", "mails taken from them", AT(federation.count.items_in),
+     .was = "parcels-in"},
     {PART_FEDERATION, "repeated", "mails that came from them once more",
      AT(federation.count.repeated)},
     {PART_FEDERATION, "passed-on", "of the mails sent, those that they have taken over",
@@ -178,10 +182,40 @@ void metrics_print(void)
         const struct metric *c = &counters[i];
         if (c->part != part) {
             part = c->part;
-            printf("\n## broker.%s: %s\n\n| Counter | What it counts |\n| --- | --- |\n",
-                   parts[part].name, parts[part].job);
+            char name[MU_NAME_MAX + 1];
+            snprintf(name, sizeof name, "broker.%s", parts[part].name);
+            printf("\n## %s: %s\n", name, parts[part].job);
+            if (mu_name_was(name)) {
+                printf("\nFor one version it answers to `%s`, too.\n", mu_name_was(name));
+            }
+            printf("\n| Counter | What it counts | In 0.1 |\n| --- | --- | --- |\n");
         }
-        printf("| `%s` | %s |\n", c->name, c->counts);
+        const char *quote = c->was ? "`" : "";
+        printf("| `%s` | %s | %s%s%s |\n", c->name, c->counts, quote, c->was ? c->was : "", quote);
+    }
+}
+
+/* The broker itself says with each counter whose it is.  @param part  "broker.PART" */
+static void counter_add(struct mu_text *t, uint32_t own, const char *part, const char *name,
+                        uint64_t value)
+{
+    bool all = own == REGISTRY_BROKER;
+    mu_text_format(t, " %s%s%s %" PRIu64, all ? part + strlen("broker.") : "", all ? "." : "", name,
+                   value);
+}
+
+/* By the names of now, or those with another one by that of the version before. */
+static void counters_add(const struct broker *b, struct mu_text *t, uint32_t own, bool before)
+{
+    const struct metric *c;
+    for (size_t i = 0; (c = metrics_at(i)); i++) {
+        const char *part = b->registry.agents[c->part].name;
+        const char *was = own == REGISTRY_BROKER ? mu_name_was(part) : NULL;
+        if ((own != REGISTRY_BROKER && own != c->part) || (before && !was && !c->was)) {
+            continue;
+        }
+        counter_add(t, own, before && was ? was : part, before && c->was ? c->was : c->name,
+                    metrics_value(b, c));
     }
 }
 
@@ -194,15 +228,8 @@ void metrics_answer(struct broker *b, uint32_t own, const struct mail *question)
         return;
     }
     struct mu_text t = answer_begin(b, metrics_part_name(own));
-    const struct metric *c;
-    for (size_t i = 0; (c = metrics_at(i)); i++) {
-        if (own == REGISTRY_BROKER) {
-            mu_text_format(&t, " %s.%s %" PRIu64, metrics_part_name(c->part), c->name,
-                           metrics_value(b, c));
-        } else if (c->part == own) {
-            mu_text_format(&t, " %s %" PRIu64, c->name, metrics_value(b, c));
-        }
-    }
+    counters_add(b, &t, own, false);
+    counters_add(b, &t, own, true);
     MU_ASSERT(!t.cut);
     answer_reply(b, own, question, "inform");
 }

@@ -45,6 +45,7 @@ struct metric {
     enum metrics_part part;
     const char *name;   /* a CLIPS symbol */
     const char *counts; /* what, and in which unit, for people */
+    const char *was;    /* its name in the version before; NULL: the same */
     bool drifts;        /* changes with time alone: no news in itself */
     size_t offset;      /* of the number in struct broker */
     size_t size;        /* of it: 4 or 8; 0: asked for by read */

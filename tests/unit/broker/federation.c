@@ -796,5 +796,5 @@ int main(void)
         {"a lone broker", test_a_lone_broker_announces_nothing},
         CU_TEST_INFO_NULL,
     };
-    return suite_run("broker/liaison", tests);
+    return suite_run("broker/federation", tests);
 }

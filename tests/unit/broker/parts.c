@@ -62,8 +62,8 @@ static uint64_t counter(const char *part, const char *name)
 
 static void test_every_part_has_its_line(void)
 {
-    static const char *const names[] = {"registrar", "postmaster", "courier", "groups",
-                                        "services",  "trust",      "journal", "liaison"};
+    static const char *const names[] = {"names",    "mail",  "delivery", "groups",
+                                        "services", "trust", "journal",  "federation"};
     char name[64], want[96];
     team(0);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
@@ -81,11 +81,11 @@ static void test_every_part_has_its_line(void)
 static void test_nobody_takes_a_part_s_name(void)
 {
     team(0);
-    story_register("broker.courier", "p-thief");
+    story_register("broker.delivery", "p-thief");
     story_match("p-thief");
-    EXPECT("broker.courier: reserved name");
+    EXPECT("broker.delivery: reserved name");
     story_gone("p-thief");
-    CU_ASSERT_STRING_EQUAL(story_member("broker.courier"), "broker.courier running ");
+    CU_ASSERT_STRING_EQUAL(story_member("broker.delivery"), "broker.delivery running ");
 }
 
 static void test_broadcasts_pass_the_parts_by(void)
@@ -103,20 +103,49 @@ static void test_a_part_answers_for_its_state(void)
     story_send("red", 1, "green", "one");
     EXPECT("green #1 red/1 one");
     story_mail(question("red", 2, "broker.trust"));
-    EXPECT("red #1 broker.trust/4611686018427387905 trust lines 2 allowed 0 refused 0 glances 0 "
-           "glances-declined 0 glances-lost 0 audited 0 audit-lost 0 audit-failed 0; red 2-2 "
-           "delivered");
+    EXPECT("red #1 broker.trust/4611686018427387905 trust lines 2 allowed 0 refused 0 probes 0 "
+           "probes-declined 0 probes-lost 0 audited 0 audit-lost 0 audit-failed 0 glances 0 "
+           "glances-declined 0 glances-lost 0; red 2-2 delivered");
     story_mail(question("red", 3, "broker.groups"));
     EXPECT("red #2 broker.groups/4611686018427387906 groups groups 0 members 0 lines 0 changes 0; "
            "red 3-3 delivered");
     story_mail(question("red", 4, "broker"));
     const char *all = story_collect();
-    CU_ASSERT_PTR_NOT_NULL(strstr(all, "red #3 broker/4611686018427387907 broker registrar.agents "
+    CU_ASSERT_PTR_NOT_NULL(strstr(all, "red #3 broker/4611686018427387907 broker names.agents "
                                        "3 "));
-    CU_ASSERT_PTR_NOT_NULL(strstr(all, " postmaster.sent 6 postmaster.delivered 3 "));
-    CU_ASSERT_PTR_NOT_NULL(strstr(all, " courier.parcels 3 courier.most-parcels 1 "));
+    CU_ASSERT_PTR_NOT_NULL(strstr(all, " mail.sent 6 mail.delivered 3 "));
+    CU_ASSERT_PTR_NOT_NULL(strstr(all, " delivery.items 3 delivery.most-items 1 "));
     story_send("red", 5, "broker.trust", "hello");
     EXPECT("red #4 broker.trust/4611686018427387908 performative tell; red 5-5 delivered");
+}
+
+static void check_answer(const char *part, uint64_t seq, const char *want)
+{
+    story_mail(question("red", seq, part));
+    const char *got = story_collect();
+    if (!strstr(got, want)) {
+        READS(got, want);
+    }
+}
+
+/* For one version. */
+static void test_the_names_of_the_version_before(void)
+{
+    team(0);
+    story_send("red", 1, "green", "one");
+    (void)story_collect();
+    check_answer("broker.courier", 2, " broker.delivery/4611686018427387905 delivery deliveries ");
+    check_answer("broker.courier", 3, " delay-ns 0 circulars 0 parcels 2 most-parcels 1; ");
+    check_answer("broker.delivery", 4, " delay-ns 0 circulars 0 parcels 3 most-parcels 1; ");
+    check_answer("broker.registrar", 5, " sockets-refused 0 capsules 0 capsules-kept 0 ");
+    check_answer("broker.postmaster", 6, " broker.mail/4611686018427387909 mail sent ");
+    check_answer("broker.liaison", 7, " parcels-in 0; ");
+    check_answer("broker", 8, " federation.earlier-lives 0 registrar.agents 3 ");
+    check_answer("broker", 9, " courier.parcels 8 ");
+    check_answer("broker", 10, " trust.glances 0 ");
+    story_register("broker.courier", "p-thief");
+    story_match("p-thief");
+    EXPECT("broker.courier: reserved name");
 }
 
 static void test_every_counter_is_in_one_part_once(void)
@@ -150,7 +179,7 @@ static void test_part_status_is_the_table(void)
     }
     CU_ASSERT_EQUAL(part, PARTS_END);
     CU_ASSERT_EQUAL(counters, known);
-    CU_ASSERT_EQUAL(counter("broker.registrar", "agents"), 3);
+    CU_ASSERT_EQUAL(counter("broker.names", "agents"), 3);
     CU_ASSERT_FALSE(broker_part(story.b, 0, &s));
 }
 
@@ -188,9 +217,9 @@ static void sum_check(void)
 {
     uint64_t sum = 0;
     for (size_t i = 0; i < sizeof fates / sizeof fates[0]; i++) {
-        sum += counter("broker.postmaster", fates[i]);
+        sum += counter("broker.mail", fates[i]);
     }
-    CU_ASSERT_EQUAL(counter("broker.postmaster", "sent"), sum);
+    CU_ASSERT_EQUAL(counter("broker.mail", "sent"), sum);
 }
 
 static void commit(bool ok)
@@ -233,7 +262,7 @@ static void test_every_mail_is_accounted_for(void)
     m.performative = words("group-join");
     story_mail(m); /* is delivered, and what it says refused */
     CU_ASSERT_EQUAL(counter("broker.trust", "refused"), 2);
-    CU_ASSERT_EQUAL(counter("broker.postmaster", "refused"), 1);
+    CU_ASSERT_EQUAL(counter("broker.mail", "refused"), 1);
     m = letter("red", ++seq, "red", "m");
     m.level = muster_LEVEL_LOGGED;
     story_mail(m);
@@ -241,7 +270,7 @@ static void test_every_mail_is_accounted_for(void)
     m.seq = ++seq;
     story_mail(m); /* the disk is not there for a second */
     sum_check();
-    CU_ASSERT_EQUAL(counter("broker.postmaster", "no-store"), 2);
+    CU_ASSERT_EQUAL(counter("broker.mail", "no-store"), 2);
     CU_ASSERT_EQUAL(counter("broker.journal", "failures"), 1);
     story_tick(2000 * MS);
     m.seq = ++seq;
@@ -251,9 +280,9 @@ static void test_every_mail_is_accounted_for(void)
     (void)story_collect();
     sum_check();
     for (size_t i = 0; i < 4; i++) {
-        CU_ASSERT_TRUE(counter("broker.postmaster", fates[i]) > 0 || i == 0);
+        CU_ASSERT_TRUE(counter("broker.mail", fates[i]) > 0 || i == 0);
     }
-    CU_ASSERT_TRUE(counter("broker.postmaster", "unknown-name") > 0);
+    CU_ASSERT_TRUE(counter("broker.mail", "unknown-name") > 0);
 }
 
 static void test_groups_and_services_are_counted(void)
@@ -289,7 +318,7 @@ static void test_members_of_a_lock_step_see_no_parts(void)
 {
     team(0);
     lockstep_begin(100);
-    muster_Mail asks[] = {question("red", 1, "broker.courier"), question("red", 2, "broker")};
+    muster_Mail asks[] = {question("red", 1, "broker.delivery"), question("red", 2, "broker")};
     story_up("red", 0, muster_STATE_RUNNING, asks, 2, 0);
     story_up("green", 0, muster_STATE_RUNNING, NULL, 0, 0);
     EXPECT("p-red@0; red #1 broker/1 in-lock-step; red 1-1 unknown-name; red 2-2 delivered; "
@@ -332,9 +361,9 @@ static void test_at_most_once_an_interval(void)
     EXPECT("");
     story_tick(1 * MS);
     EXPECT("green #2 red/2 two; green #3 red/3 three");
-    CU_ASSERT_EQUAL(counter("broker.courier", "delay-ns"), (50 + 30) * MS);
-    CU_ASSERT_EQUAL(counter("broker.courier", "most-parcels"), 2);
-    CU_ASSERT_EQUAL(counter("broker.courier", "parcels"), 3);
+    CU_ASSERT_EQUAL(counter("broker.delivery", "delay-ns"), (50 + 30) * MS);
+    CU_ASSERT_EQUAL(counter("broker.delivery", "most-items"), 2);
+    CU_ASSERT_EQUAL(counter("broker.delivery", "items"), 3);
     story_ack("green", 3);
     EXPECT("");
     story_tick(50 * MS);
@@ -356,9 +385,9 @@ static void test_more_than_one_delivery_can_hold(void)
     }
     story_state("green", muster_STATE_RUNNING);
     story_tick(60 * MS);
-    uint64_t before = counter("broker.courier", "deliveries");
+    uint64_t before = counter("broker.delivery", "deliveries");
     (void)story_collect();
-    CU_ASSERT_TRUE(counter("broker.courier", "deliveries") >= before + 3);
+    CU_ASSERT_TRUE(counter("broker.delivery", "deliveries") >= before + 3);
     CU_ASSERT_EQUAL(story.b->mailbox.boxes[registry_find(&story.b->registry, "green")].written, 20);
 }
 
@@ -415,7 +444,7 @@ static void test_the_network_refuses_meanwhile(void)
     broker_undelivered(story.b);
     story_tick(2 * MS);
     EXPECT("green #1 red/1 one");
-    CU_ASSERT_EQUAL(counter("broker.courier", "blocked"), 1);
+    CU_ASSERT_EQUAL(counter("broker.delivery", "blocked"), 1);
 }
 
 static void test_the_interval_is_tuned_by_directive(void)
@@ -445,16 +474,16 @@ static void test_the_interval_is_tuned_by_directive(void)
         CU_ASSERT_PTR_NOT_NULL(
             strstr(story_collect(), "\"the broker carries out: (delivery-interval MS)\""));
     }
-    CU_ASSERT_EQUAL(counter("broker.courier", "interval-ns"), 0);
+    CU_ASSERT_EQUAL(counter("broker.delivery", "interval-ns"), 0);
     story_mail(directive("operator", ++seq, "broker", " ( delivery-interval\t20 ) "));
     CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), " delivery-interval 20;"));
-    CU_ASSERT_EQUAL(counter("broker.courier", "interval-ns"), 20 * MS);
-    story_mail(directive("operator", ++seq, "broker.courier", "(delivery-interval 0)"));
+    CU_ASSERT_EQUAL(counter("broker.delivery", "interval-ns"), 20 * MS);
+    story_mail(directive("operator", ++seq, "broker.delivery", "(delivery-interval 0)"));
     story_tick(20 * MS);
     CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), " delivery-interval 0;"));
     story_mail(directive("operator", ++seq, "broker.trust", "(delivery-interval 7)"));
     CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), "the broker carries out"));
-    CU_ASSERT_EQUAL(counter("broker.courier", "interval-ns"), 0);
+    CU_ASSERT_EQUAL(counter("broker.delivery", "interval-ns"), 0);
     muster_Mail m = directive("operator", ++seq, "broker", "");
     m.performative = words("suspend");
     story_mail(m);
@@ -469,7 +498,7 @@ static void test_in_lock_step_the_interval_is_whole_steps(void)
     CU_ASSERT_STRING_EQUAL(step(1, 2), "p-green@1; p-red@1; sim@1");
     CU_ASSERT_STRING_EQUAL(step(2, 3), "p-green@2; green #1 red/1 m1; green #2 red/2 m2; "
                                        "green #3 red/3 m3; p-red@2; sim@2");
-    CU_ASSERT_EQUAL(counter("broker.courier", "delay-ns"), (200 + 100 + 0) * MS);
+    CU_ASSERT_EQUAL(counter("broker.delivery", "delay-ns"), (200 + 100 + 0) * MS);
     story_tick(10000 * MS); /* the wall clock says nothing here */
     CU_ASSERT_STRING_EQUAL(step(3, 4), "p-green@3; p-red@3; sim@3");
     muster_Mail m = directive("operator", 1, "green", "(wander)");
@@ -486,10 +515,10 @@ static void test_in_lock_step_the_broker_is_directed_between_steps(void)
     lockstep_begin(100);
     story_mail(directive("operator", 1, "broker", "(delivery-interval 200)"));
     EXPECT("");
-    CU_ASSERT_EQUAL(counter("broker.courier", "interval-ns"), 0);
+    CU_ASSERT_EQUAL(counter("broker.delivery", "interval-ns"), 0);
     const char *out = step(0, 1);
     CU_ASSERT_PTR_NOT_NULL(strstr(out, "outside operator/1"));
-    CU_ASSERT_EQUAL(counter("broker.courier", "interval-ns"), 200 * MS);
+    CU_ASSERT_EQUAL(counter("broker.delivery", "interval-ns"), 200 * MS);
     CU_ASSERT_PTR_NULL(strstr(out, "m1"));
     CU_ASSERT_PTR_NOT_NULL(strstr(step(1, 0), "green #1 red/1 m1"));
 }
@@ -501,6 +530,7 @@ int main(void)
         {"nobody takes a part's name", test_nobody_takes_a_part_s_name},
         {"broadcasts pass the parts by", test_broadcasts_pass_the_parts_by},
         {"a part answers for its state", test_a_part_answers_for_its_state},
+        {"the names of the version before", test_the_names_of_the_version_before},
         {"every counter is in one part once", test_every_counter_is_in_one_part_once},
         {"PartStatus is the table", test_part_status_is_the_table},
         {"the age of the oldest mail", test_the_age_of_the_oldest_mail},

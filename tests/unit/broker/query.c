@@ -78,8 +78,9 @@ static void test_listing(void)
 {
     team();
     story_mail(question(1, "listing", ""));
-    EXPECT("red #1 broker/4611686018427387905 members broker broker.courier broker.groups "
-           "broker.journal broker.liaison broker.postmaster broker.registrar broker.services "
+    EXPECT("red #1 broker/4611686018427387905 members broker broker.delivery broker.federation "
+           "broker.groups "
+           "broker.journal broker.mail broker.names broker.services "
            "broker.trust green red; red 1-1 delivered");
 }
 

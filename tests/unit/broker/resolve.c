@@ -113,7 +113,7 @@ static void test_the_resolver_fixes_the_receivers(void)
     send_to("red", "near:2.5", "hello");
     EXPECT("rita #1 broker/4611686018427387905 resolve \"near:2.5\" red");
     CU_ASSERT_EQUAL(counter("resolving"), 1);
-    answer("rita", ticket_of(1), "green nobody red \"blue\" broker green 5 broker.courier");
+    answer("rita", ticket_of(1), "green nobody red \"blue\" broker green 5 broker.delivery");
     EXPECT("green #1 red/1 hello; blue #1 red/1 hello; rita 2-2 delivered");
     CU_ASSERT_EQUAL(counter("resolving"), 0);
     story_ack("blue", 1);

@@ -183,7 +183,7 @@ static muster_BrokerStatus broker_status = {.broker = W("b1")};
 static muster_Counter counters[FEW] = {
     {.name = W("sent"), .value = 7}, {.name = W("box-full")}, {.name = W("expired")}};
 static muster_PartStatus part_status = {
-    .broker = W("b1"), .part = W("broker.postmaster"), .counters = LIST(counters)};
+    .broker = W("b1"), .part = W("broker.mail"), .counters = LIST(counters)};
 static muster_BrokerEvent broker_event = {
     .broker = W("b1"), .kind = W("dropped"), .agent = W("red"), .sender = W("blue")};
 

@@ -185,7 +185,7 @@ static void tap_make(struct tap *tap, const char *partition)
 
 static void part_feed(struct feed *feed, uint64_t value, struct bus_bytes *bytes)
 {
-    muster_PartStatus s = {.broker = words("main"), .part = words("courier")};
+    muster_PartStatus s = {.broker = words("main"), .part = words("delivery")};
     muster_Counter counter = {.name = words("mails"), .value = value};
     s.counters = (dds_sequence_muster_Counter){1, 1, &counter, false};
     CU_ASSERT_EQUAL_FATAL(bus_encode(BUS_PART_STATUS, &s, bytes), MU_OK);

@@ -84,7 +84,7 @@ static const struct bus_bytes *sample(const char *part, uint64_t value)
 static void test_what_is_fed_is_heard(void)
 {
     enum { COUNT = 200 };
-    static const char *const parts[] = {"courier", "groups", "journal"};
+    static const char *const parts[] = {"delivery", "groups", "journal"};
     heard_count = 0;
     for (uint64_t i = 0; i < COUNT; i++) {
         const struct bus_bytes *b = sample(parts[i % 3], i);
@@ -127,7 +127,7 @@ static void test_wounded_bytes(void)
     mu_random_seed(&random, suite_setting("MUSTER_SEED", 41), "wounded bytes");
     uint64_t rounds = suite_setting("MUSTER_ROUNDS", ROUNDS);
     for (uint64_t i = 0; i < rounds; i++) {
-        const struct bus_bytes *b = sample("courier", i);
+        const struct bus_bytes *b = sample("delivery", i);
         size_t size = b->size;
         memcpy(wounded, b->data, size);
         for (int64_t wounds = mu_random_between(&random, 1, 4); wounds > 0; wounds--) {
@@ -147,7 +147,7 @@ static void test_wounded_bytes(void)
 
 /* --- what has gone ---------------------------------------------------------------------------- */
 
-static uint8_t key_of_courier[64];
+static uint8_t key_of_delivery[64];
 static size_t key_size;
 
 static void part_write(const char *part, uint64_t value)
@@ -166,32 +166,32 @@ static void heard_reads(const char *wanted)
         CU_ASSERT(i == 0 || heard[i].source_ns >= heard[i - 1].source_ns);
         CU_ASSERT(
             heard[i].gone == GONE_NOT ||
-            (heard[i].size == key_size && memcmp(heard[i].bytes, key_of_courier, key_size) == 0));
+            (heard[i].size == key_size && memcmp(heard[i].bytes, key_of_delivery, key_size) == 0));
     }
     got[count] = '\0';
     READS(got, wanted);
 }
 
-static void courier_goes(enum gone_what what)
+static void delivery_goes(enum gone_what what)
 {
-    CU_ASSERT_EQUAL(feed_gone(&feed, what, key_of_courier, key_size), MU_OK);
+    CU_ASSERT_EQUAL(feed_gone(&feed, what, key_of_delivery, key_size), MU_OK);
 }
 
 static void test_an_instance_that_goes_is_heard(void)
 {
     heard_count = key_size = 0;
-    part_write("courier", 1);
+    part_write("delivery", 1);
     hear_until(1);
     /* The key of it, as DDS has it: found out by a first word that it has gone. */
-    muster_PartStatus s = {.broker = words("main"), .part = words("courier")};
+    muster_PartStatus s = {.broker = words("main"), .part = words("delivery")};
     CU_ASSERT_EQUAL(dds_dispose(feed.out.writer, &s), DDS_RETCODE_OK);
     hear_until(2);
     CU_ASSERT_EQUAL_FATAL(heard[1].gone, GONE_DISPOSED);
     key_size = heard[1].size;
-    memcpy(key_of_courier, heard[1].bytes, key_size);
-    part_write("courier", 2);
+    memcpy(key_of_delivery, heard[1].bytes, key_size);
+    part_write("delivery", 2);
     hear_until(3);
-    courier_goes(GONE_UNREGISTERED);
+    delivery_goes(GONE_UNREGISTERED);
     hear_until(4);
     heard_reads("dxdu");
 }
@@ -201,16 +201,16 @@ static void test_what_goes_and_comes_again_unheard(void)
 {
     heard_count = 0;
     for (uint64_t i = 0; i < 3; i++) {
-        part_write("courier", i);
-        part_write("courier", i);
-        courier_goes(i == 1 ? GONE_UNREGISTERED : GONE_DISPOSED);
+        part_write("delivery", i);
+        part_write("delivery", i);
+        delivery_goes(i == 1 ? GONE_UNREGISTERED : GONE_DISPOSED);
     }
     hear_until(9);
     heard_reads("ddxdduddx");
-    part_write("courier", 9);
+    part_write("delivery", 9);
     hear_until(10);
-    courier_goes(GONE_DISPOSED);
-    part_write("courier", 10);
+    delivery_goes(GONE_DISPOSED);
+    part_write("delivery", 10);
     hear_until(12);
     heard_reads("ddxdduddxdxd");
 }
@@ -221,9 +221,9 @@ static void test_what_goes_behind_a_full_batch(void)
     for (size_t count = TAP_BATCH - 1; count <= TAP_BATCH + 1; count++) {
         heard_count = 0;
         for (size_t i = 0; i < count; i++) {
-            part_write("courier", i);
+            part_write("delivery", i);
         }
-        courier_goes(GONE_DISPOSED);
+        delivery_goes(GONE_DISPOSED);
         hear_until(count + 1);
         CU_ASSERT_EQUAL(heard[count].gone, GONE_DISPOSED);
         for (size_t i = 0; i < count; i++) {
@@ -240,7 +240,7 @@ static void test_wounded_keys(void)
     mu_random_seed(&random, suite_setting("MUSTER_SEED", 41), "wounded keys");
     heard_count = 0;
     for (uint64_t i = 0; i < rounds; i++) {
-        memcpy(wounded, key_of_courier, key_size);
+        memcpy(wounded, key_of_delivery, key_size);
         for (int64_t wounds = mu_random_between(&random, 1, 3); wounds > 0; wounds--) {
             wounded[mu_random_between(&random, 0, (int64_t)key_size - 1)] =
                 (uint8_t)mu_random_between(&random, 0, 255);
@@ -258,7 +258,7 @@ static void test_wounded_keys(void)
 static void test_keys_that_are_none(void)
 {
     uint8_t wounded[64];
-    memcpy(wounded, key_of_courier, key_size);
+    memcpy(wounded, key_of_delivery, key_size);
     for (size_t size = 0; size < key_size; size++) {
         mu_result gone = feed_gone(&feed, GONE_DISPOSED, wounded, size);
         CU_ASSERT_EQUAL(gone, MU_MALFORMED);

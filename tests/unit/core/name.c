@@ -136,6 +136,16 @@ static void test_names_of_groups(void)
     }
 }
 
+static void test_parts_of_the_broker_that_were_renamed(void)
+{
+    CU_ASSERT_STRING_EQUAL(mu_name_now("broker.courier"), "broker.delivery");
+    CU_ASSERT_STRING_EQUAL(mu_name_was("broker.delivery"), "broker.courier");
+    CU_ASSERT_STRING_EQUAL(mu_name_now("broker.delivery"), "broker.delivery");
+    CU_ASSERT_STRING_EQUAL(mu_name_now("courier"), "courier");
+    CU_ASSERT_PTR_NULL(mu_name_was("broker.trust"));
+    CU_ASSERT_PTR_NULL(mu_name_was("broker.courier"));
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -145,6 +155,7 @@ int main(void)
         {"limit: the length of a name", test_limit_length},
         {"reserved names", test_reserved_names},
         {"names of groups", test_names_of_groups},
+        {"parts of the broker that were renamed", test_parts_of_the_broker_that_were_renamed},
         CU_TEST_INFO_NULL,
     };
     return suite_run("core/name", tests);

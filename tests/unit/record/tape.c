@@ -92,7 +92,7 @@ static void test_samples_and_what_has_gone(void)
     tape_begin();
     CU_ASSERT_EQUAL_FATAL(feed_open(&feed, &bus, BUS_PART_STATUS, "a", "b"), MU_OK);
     CU_ASSERT_EQUAL_FATAL(tap_open(&tap, &bus, BUS_PART_STATUS), MU_OK);
-    part_feed(&feed, "courier");
+    part_feed(&feed, "delivery");
     part_feed(&feed, "groups");
     tape_until(&tap, 2);
     bus_writer_close(&feed.out); /* its instances have no writer any more */
@@ -154,7 +154,7 @@ static void test_limit_partitions(void)
     dds_entity_t writer = dds_create_writer(publisher, tap.topic, qos, NULL);
     dds_delete_qos(group);
     dds_delete_qos(qos);
-    muster_PartStatus s = {.broker = words("main"), .part = words("courier")};
+    muster_PartStatus s = {.broker = words("main"), .part = words("delivery")};
     CU_ASSERT_EQUAL(dds_write(writer, &s), DDS_RETCODE_OK);
     tape_until(&tap, 1);
     tape_end();

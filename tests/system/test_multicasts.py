@@ -35,9 +35,9 @@ def heard(out, name, sender="tx"):
     return [int(line[3]) for line in words if line[1:3] == [sender, "count"]]
 
 
-def circulars(domain, broker="main"):
-    done = muster("lookup", "broker.courier", "--domain", domain, "--broker", broker)
-    found = [line.split()[1] for line in done.stdout.splitlines() if line.split()[0] == "circulars"]
+def multicasts(domain, broker="main"):
+    done = muster("lookup", "broker.delivery", "--domain", domain, "--broker", broker)
+    found = [line.split()[1] for line in done.stdout.splitlines() if line.split()[0] == "multicasts"]
     check_equal(len(found), 1, f"the counter: {done.stdout}{done.stderr}")
     return int(found[0])
 
@@ -65,14 +65,14 @@ def test_a_crowd_hears_broadcasts():
     with folder() as out, Processes() as processes:
         broker_start(processes, domain, "--store", "none")
         crowd_start(processes, domain, out)
-        before = circulars(domain)
+        before = multicasts(domain)
         caller_start(processes, domain, "all", 500)
         all_heard(out, CROWD, 500)
-        between = circulars(domain)
-        check(between > before, f"{between - before} circulars of broadcasts")
+        between = multicasts(domain)
+        check(between > before, f"{between - before} multicasts of broadcasts")
         caller_start(processes, domain, ",".join(CROWD), 500, name="ty")
         all_heard(out, CROWD, 500, "ty")
-        check(circulars(domain) > between, "circulars of mail to several names")
+        check(multicasts(domain) > between, "multicasts of mail to several names")
 
 
 def test_few_have_none():
@@ -82,7 +82,7 @@ def test_few_have_none():
         crowd_start(processes, domain, out, CROWD[:2])
         caller_start(processes, domain, "all", 200)
         all_heard(out, CROWD[:2], 200)
-        check_equal(circulars(domain), 0, "circulars to two")
+        check_equal(multicasts(domain), 0, "multicasts to two")
 
 
 def test_one_that_is_stopped_is_in_nobodys_way():
@@ -102,7 +102,7 @@ def test_one_that_is_stopped_is_in_nobodys_way():
             check(len(heard(out, name)) <= had + 1, "it is stopped")
             crowd[name].send_signal(signal.SIGCONT)
         all_heard(out, CROWD, 2000)
-        check(circulars(domain) > 0, "circulars")
+        check(multicasts(domain) > 0, "multicasts")
 
 
 def test_one_that_is_stopped_until_it_is_missed():
@@ -137,7 +137,7 @@ def test_a_broker_that_is_killed_amid_them_is_back():
             first.wait()
             first = processes.start(MUSTER, "broker", "main", "--domain", domain, *store)
         all_heard(out, CROWD, 2000)
-        check(circulars(domain) > 0, "circulars of the last life")
+        check(multicasts(domain) > 0, "multicasts of the last life")
 
 
 MANY = 12000  # a broker is killed twice before all of them are through
@@ -194,10 +194,10 @@ def test_one_that_comes_and_goes():
         all_heard(out, CROWD, 2000)
         got = heard(out, "guest")
         check(got == sorted(set(got)), f"the guest, in order and none twice: {oddities(got)}")
-        check(circulars(domain) > 0, "circulars")
+        check(multicasts(domain) > 0, "multicasts")
 
 
-def test_only_who_serves_most_has_circulars():
+def test_only_who_serves_most_has_multicasts():
     domain = new_domain()
     with folder() as out, Processes() as processes:
         for name in ("a", "b"):
@@ -212,8 +212,8 @@ def test_only_who_serves_most_has_circulars():
             caller_start(processes, domain, ",".join(names), 600, name, sender)
         for sender in ("tx", "ty"):
             all_heard(out, names, 600, sender)
-        check(circulars(domain, "a") > 0, "circulars of a")
-        check_equal(circulars(domain, "b"), 0, "of b, whose would wake the others, too")
+        check(multicasts(domain, "a") > 0, "multicasts of a")
+        check_equal(multicasts(domain, "b"), 0, "of b, whose would wake the others, too")
 
 
 def test_one_whose_dds_has_a_configuration_of_its_own():
@@ -226,4 +226,4 @@ def test_one_whose_dds_has_a_configuration_of_its_own():
         names = (*CROWD, "lone")
         caller_start(processes, domain, ",".join(names), 600)
         all_heard(out, names, 600)
-        check(circulars(domain) > 0, "circulars")
+        check(multicasts(domain) > 0, "multicasts")
