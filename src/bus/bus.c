@@ -232,7 +232,7 @@ static bool batch_take(struct bus_reader *r)
     if (r->count < BUS_BATCH) {
         bus_arrivals_taken(r, arrived);
     }
-    if (r->count > 0) {
+    if (r->count > 0 && r->bus->local) {
         bus_arrivals_poll(r->bus, 0);
     }
     for (int32_t i = 0; i < r->count; i++) {
