@@ -165,30 +165,35 @@ static inline uint32_t changelog_next(const struct changelog *c, uint32_t line)
 /* --- limiter.c ------------------------------------------------------------------------------- */
 
 /*
- * Slows down senders that press: a sender whose mail does not get through is told so at once, and
- * then at most every LIMITER_PAUSE_NS.
+ * What a sender is told of its mails: at once, and then at most every pause_ns.
  *
- * A sender has a bounded number of mails without an answer, so that the pause bounds its rate.
- * No other sender waits for anything.
+ * Bad news slows it down if it presses: it has a bounded number of mails without an answer, so that
+ * the pause bounds its rate.  Good news, if it is short, goes with the next mail for it in that
+ * time: one that answers many others is not woken once more for each answer.  No other sender waits
+ * for anything.
  */
 
-enum { LIMITER_PAUSE_NS = 100000000 };
+enum { LIMITER_BAD_PAUSE_NS = 100000000, LIMITER_GOOD_PAUSE_NS = 25000000 };
 
 struct paced {
-    uint64_t until_ns;   /* not told anything but good news before this */
+    uint64_t until_ns;   /* not told of it before this */
     struct mu_link link; /* there is something to tell then */
 };
 
 struct limiter {
     struct paced agents[REGISTRY_MAX];
     struct mu_list queue;
+    uint64_t pause_ns; /* 0: nothing is told later */
 };
 
 /**
- * Says whether to tell an agent bad news later: then limiter_next gives it when it is time.  From
- * now on it is told such at most every LIMITER_PAUSE_NS.
+ * Says whether to tell an agent later: then limiter_next gives it when it is time.  From now on it
+ * is told at most every pause_ns.
  */
 bool limiter_holds(struct limiter *p, uint32_t agent, uint64_t now_ns);
+
+/** It has been told with something else, or its name ends: nothing waits. */
+void limiter_told(struct limiter *p, uint32_t agent, uint64_t now_ns);
 
 /** @return the next agent that may be told now, or MU_NONE */
 uint32_t limiter_next(struct limiter *p, uint64_t now_ns);

@@ -10,9 +10,15 @@ bool limiter_holds(struct limiter *p, uint32_t agent, uint64_t now_ns)
     }
     if (!mu_list_has(MU_LINKS(p->agents, link),
                      agent)) { /* else others would wait behind it once more */
-        a->until_ns = clock_after_ns(now_ns, LIMITER_PAUSE_NS);
+        a->until_ns = clock_after_ns(now_ns, p->pause_ns);
     }
     return false;
+}
+
+void limiter_told(struct limiter *p, uint32_t agent, uint64_t now_ns)
+{
+    (void)mu_list_remove(&p->queue, MU_LINKS(p->agents, link), agent);
+    p->agents[agent].until_ns = clock_after_ns(now_ns, p->pause_ns);
 }
 
 /* The head may be due a little later than one behind it, which then waits for it. */
@@ -26,7 +32,7 @@ uint32_t limiter_next(struct limiter *p, uint64_t now_ns)
     uint32_t agent = MU_NONE;
     if (p->queue.count > 0 && now_ns >= limiter_deadline_ns(p)) {
         agent = mu_list_take(&p->queue, MU_LINKS(p->agents, link));
-        p->agents[agent].until_ns = clock_after_ns(now_ns, LIMITER_PAUSE_NS);
+        p->agents[agent].until_ns = clock_after_ns(now_ns, p->pause_ns);
     }
     return agent;
 }

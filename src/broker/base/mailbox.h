@@ -295,6 +295,14 @@ static inline uint32_t receipts_count(const struct receipts *r, uint32_t agent)
     return r->queues[agent].count;
 }
 
+/** @return of how many mails, at least */
+static inline uint64_t receipts_mails(const struct receipts *r, uint32_t agent)
+{
+    const struct mu_list *q = &r->queues[agent];
+    const struct receipt *last = q->count > 0 ? &r->at[mu_list_last(q)] : NULL;
+    return last ? q->count + (last->last_seq - last->first_seq) : 0;
+}
+
 /** Removes the oldest count receipts of an agent. */
 void receipts_drop(struct receipts *r, uint32_t agent, uint32_t count);
 

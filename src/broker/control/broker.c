@@ -56,6 +56,8 @@ struct broker *broker_open(const struct broker_options *options)
     authorize_attach(b);
     b->audit.on = options->audit;
     dispatch_set_interval(b, options->delivery_interval_ns);
+    b->bad_news.pause_ns = LIMITER_BAD_PAUSE_NS;
+    b->good_news.pause_ns = options->receipt_pause_ns;
     b->federation.peers = mu_startup_array(MU_BROKERS_MAX, sizeof *b->federation.peers);
     b->retirement.expiry_ns = options->name_expiry_ns ? options->name_expiry_ns : NAME_EXPIRY_NS;
     b->journal.on = options->has_store;

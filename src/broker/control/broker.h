@@ -23,6 +23,7 @@ struct broker_options {
     uint32_t pid;
     uint64_t wall_ns;              /* nanoseconds since 1970 at now_ns == 0, for since_wall_ns */
     uint64_t delivery_interval_ns; /* between two rounds of the dispatcher; 0: at once */
+    uint64_t receipt_pause_ns;     /* so long a receipt waits for mail to go with; 0: it does not */
     bool audit;                    /* directives are recorded for audit_next */
     uint32_t names;                /* so many at a time; MU_AGENTS_MAX when 0 */
     uint64_t name_expiry_ns;       /* a name that is absent for so long may end; 10 min when 0 */

@@ -58,7 +58,7 @@ struct broker {
     uint64_t unspoken; /* changes in another's name that were refused: no mails */
     struct bus_ways ways; /* to the processes */
     struct alerts alerts;
-    struct limiter limiter;
+    struct limiter bad_news, good_news;
     uint64_t orders;           /* mails routed */
     uint64_t answers[2];       /* of the broker itself: to agents inside, to others */
     char *page[REGISTRY_PAGE]; /* of the white pages, as it is published */

@@ -165,6 +165,7 @@ static void part_delivered(struct broker *b, const struct dispatch_part *part)
         b->receipts.told[part->agent] = part->receipts;
     } else if (part->receipts > 0) {
         receipts_drop(&b->receipts, part->agent, part->receipts);
+        limiter_told(&b->good_news, part->agent, b->clock.now_ns);
     }
     if (part->verdict) {
         names_bearer_on(&b->registry, part->agent, BEARER_TELLS);

@@ -1,12 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "broker/control/parts.h"
 
-/* @return whether the news can wait: its sender sends what does not get through */
+/* A sender of so many mails at a time waits for their receipts before it goes on. */
+enum { RECEIPTS_MANY = MU_WINDOW_MAX / 8 };
+
+/* @return what paces such news for a sender, or NULL */
+static struct limiter *limiter_of(struct broker *b, uint32_t sender, muster_Outcome result)
+{
+    if (result == muster_OUTCOME_BOX_FULL || result == muster_OUTCOME_DROPPED) {
+        return &b->bad_news;
+    }
+    bool few = receipts_mails(&b->receipts, sender) < RECEIPTS_MANY;
+    return result == muster_OUTCOME_DELIVERED && few ? &b->good_news : NULL;
+}
+
 static bool news_can_wait(struct broker *b, uint32_t sender, muster_Outcome result)
 {
-    bool bad = result == muster_OUTCOME_BOX_FULL || result == muster_OUTCOME_DROPPED;
-    return bad && !scope_is_paced(b->registry.agents[sender].scope) &&
-           limiter_holds(&b->limiter, sender, b->clock.now_ns);
+    struct limiter *l = limiter_of(b, sender, result);
+    return l && !scope_is_paced(b->registry.agents[sender].scope) &&
+           limiter_holds(l, sender, b->clock.now_ns);
 }
 
 void outcome_tell(struct broker *b, uint32_t sender, uint64_t first_seq, uint64_t last_seq,
@@ -29,12 +41,18 @@ uint64_t outcome_oldest_ns(const struct broker *b)
     return oldest && mail_ns > oldest->came_ns ? mail_ns - oldest->came_ns : 0;
 }
 
-void outcome_tick(struct broker *b)
+static void news_wake(struct broker *b, struct limiter *l)
 {
     uint32_t agent;
-    while ((agent = limiter_next(&b->limiter, b->clock.now_ns)) != MU_NONE) {
+    while ((agent = limiter_next(l, b->clock.now_ns)) != MU_NONE) {
         processes_wake_agent(b, agent);
     }
+}
+
+void outcome_tick(struct broker *b)
+{
+    news_wake(b, &b->bad_news);
+    news_wake(b, &b->good_news);
 }
 
 void outcome_end(struct broker *b, struct mail *m, muster_Outcome result)

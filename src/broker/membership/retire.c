@@ -109,8 +109,7 @@ static bool is_absent(const struct broker *b, uint32_t agent)
     bool is_nobody = a->name[0] != '\0' && a->process == MU_NONE && a->claims.count == 0;
     const struct quota_use *outside = &b->quotas.senders[QUOTA_OUTSIDE][agent];
     const struct quota_use *inside = &b->quotas.senders[QUOTA_INSIDE][agent];
-    bool is_idle = !a->unsaved && outside->mails + inside->mails == 0 &&
-                   !mu_list_has(MU_LINKS(b->limiter.agents, link), agent);
+    bool is_idle = !a->unsaved && outside->mails + inside->mails == 0;
     return is_nobody && is_idle && !names_is_held(b, agent) && wall_ns > a->since_wall_ns &&
            wall_ns - a->since_wall_ns >=
                (a->named == NAMED_ENDED ? LINGER_NS : b->retirement.expiry_ns);
@@ -210,7 +209,8 @@ static void agent_end(struct broker *b, uint32_t agent)
 {
     receipts_drop(&b->receipts, agent, receipts_count(&b->receipts, agent));
     mailbox_end(&b->mailbox, agent);
-    b->limiter.agents[agent] = (struct paced){.until_ns = 0};
+    limiter_told(&b->bad_news, agent, b->clock.now_ns);
+    limiter_told(&b->good_news, agent, b->clock.now_ns);
     for (uint32_t i = 0; i < b->federation.peers_count; i++) {
         b->federation.peers[i].boxes[agent].taken = 0;
     }

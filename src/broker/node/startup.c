@@ -49,6 +49,7 @@ int startup_run(struct startup *o, const struct settings *s)
                                      .pid = (uint32_t)getpid(),
                                      .wall_ns = mu_clock_wall_ns(),
                                      .delivery_interval_ns = interval_ns,
+                                     .receipt_pause_ns = LIMITER_GOOD_PAUSE_NS,
                                      .names = (uint32_t)s->names,
                                      .name_expiry_ns = (uint64_t)s->name_expiry_s * 1000000000,
                                      .audit = s->audit != NULL,

@@ -190,21 +190,12 @@ void metrics_print(void)
             }
             printf("\n| Counter | What it counts | In 0.1 |\n| --- | --- | --- |\n");
         }
-        const char *quote = c->was ? "`" : "";
-        printf("| `%s` | %s | %s%s%s |\n", c->name, c->counts, quote, c->was ? c->was : "", quote);
+        printf("| `%s` | %s | %s |\n", c->name, c->counts, c->was ? c->was : "");
     }
 }
 
-/* The broker itself says with each counter whose it is.  @param part  "broker.PART" */
-static void counter_add(struct mu_text *t, uint32_t own, const char *part, const char *name,
-                        uint64_t value)
-{
-    bool all = own == REGISTRY_BROKER;
-    mu_text_format(t, " %s%s%s %" PRIu64, all ? part + strlen("broker.") : "", all ? "." : "", name,
-                   value);
-}
-
-/* By the names of now, or those with another one by that of the version before. */
+/* By the names of now, or those with another one by that of the version before.  The broker itself
+ * says with each whose it is. */
 static void counters_add(const struct broker *b, struct mu_text *t, uint32_t own, bool before)
 {
     const struct metric *c;
@@ -214,8 +205,11 @@ static void counters_add(const struct broker *b, struct mu_text *t, uint32_t own
         if ((own != REGISTRY_BROKER && own != c->part) || (before && !was && !c->was)) {
             continue;
         }
-        counter_add(t, own, before && was ? was : part, before && c->was ? c->was : c->name,
-                    metrics_value(b, c));
+        if (own == REGISTRY_BROKER) {
+            mu_text_format(t, " %s.", (before && was ? was : part) + strlen("broker."));
+        }
+        mu_text_format(t, "%s%s %" PRIu64, own == REGISTRY_BROKER ? "" : " ",
+                       before && c->was ? c->was : c->name, metrics_value(b, c));
     }
 }
 

@@ -268,7 +268,7 @@ static void test_a_flood_leaves_room_for_others(void)
     CU_ASSERT_EQUAL(story_status().box_full, 0);
 }
 
-/* Bad news comes at once, then at a measured pace; good news is never late. */
+/* Bad news comes at once, then at a measured pace. */
 static void test_who_presses_is_slowed_down(void)
 {
     team();
@@ -488,6 +488,80 @@ static void test_bad_news_waits_for_its_own_sender_alone(void)
     CU_ASSERT_TRUE(told);
 }
 
+/* --- good news -------------------------------------------------------------------------------- */
+
+static void two_begin(void)
+{
+    story_begin();
+    story.b->good_news.pause_ns = 25 * MS;
+    story_join("red");
+    story_join("green");
+    (void)story_collect();
+    story_send("red", 1, "green", "one");
+    EXPECT("green #1 red/1 one");
+    story_ack("green", 1);
+    EXPECT("red 1-1 delivered"); /* at once: it has not been told of any for long */
+}
+
+static void test_a_receipt_goes_with_the_next_mail(void)
+{
+    two_begin();
+    story_send("red", 2, "green", "two");
+    story_tick(MS);
+    EXPECT("green #2 red/2 two");
+    story_ack("green", 2);
+    EXPECT("");
+    story_send("green", 1, "red", "an answer");
+    EXPECT("red #1 green/1 an answer; red 2-2 delivered");
+    CU_ASSERT_EQUAL(limiter_deadline_ns(&story.b->good_news), UINT64_MAX);
+}
+
+static void test_a_receipt_without_mail_to_go_with_comes_later(void)
+{
+    two_begin();
+    story_send("red", 2, "green", "two");
+    story_send("red", 3, "green", "three");
+    EXPECT("green #2 red/2 two; green #3 red/3 three");
+    story_ack("green", 2);
+    story_tick(10 * MS);
+    story_ack("green", 3);
+    EXPECT("");
+    CU_ASSERT_EQUAL(broker_deadline_ns(story.b), 25 * MS);
+    story_tick(15 * MS);
+    EXPECT("red 2-3 delivered");
+    story_tick(100 * MS);
+    EXPECT("");
+}
+
+/* A sender whose window fills up waits for them; a step goes by what has been told. */
+static void test_receipts_of_many_mails_do_not_wait(void)
+{
+    two_begin();
+    for (uint64_t seq = 2; seq <= 51; seq++) {
+        story_send("red", seq, "green", "m");
+    }
+    (void)story_collect();
+    story_ack("green", 25);
+    EXPECT("");
+    story_ack("green", 26);
+    EXPECT("red 2-26 delivered");
+}
+
+/* The next bearer of a name does not hear of the mail of the last one. */
+static void test_who_leaves_has_no_receipts(void)
+{
+    two_begin();
+    story_send("red", 2, "green", "two");
+    (void)story_collect();
+    story_ack("green", 2);
+    EXPECT("");
+    story_leave("red", "p-red");
+    story_tick(25 * MS);
+    story_join("red");
+    story_tick(25 * MS);
+    CU_ASSERT_PTR_NULL(strstr(story_collect(), "delivered"));
+}
+
 int main(void)
 {
     CU_TestInfo tests[] = {
@@ -510,6 +584,11 @@ int main(void)
         {"events", test_events},
         {"an answer that drops its question", test_an_answer_that_drops_its_question},
         {"bad news", test_bad_news_waits_for_its_own_sender_alone},
+        {"a receipt goes with the next mail", test_a_receipt_goes_with_the_next_mail},
+        {"a receipt without mail to go with comes later",
+         test_a_receipt_without_mail_to_go_with_comes_later},
+        {"receipts of many mails do not wait", test_receipts_of_many_mails_do_not_wait},
+        {"who leaves has no receipts", test_who_leaves_has_no_receipts},
         CU_TEST_INFO_NULL,
     };
     return suite_run("broker/box", tests);

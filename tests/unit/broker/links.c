@@ -260,6 +260,7 @@ static void history_live(void)
     static const uint64_t passes_ms[] = {0, 1, 5, 20, 100, 300, 1100};
     mu_random_seed(&dice, seed, "links");
     net_begin();
+    net.b[1]->good_news.pause_ns = LIMITER_GOOD_PAUSE_NS;
     for (int i = 0; i < NET_BROKERS; i++) {
         net_link(i, (i + 1) % NET_BROKERS, true);
     }

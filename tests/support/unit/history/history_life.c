@@ -44,14 +44,15 @@ void life_begin(void)
     history.life = (struct life){.number = ++history.lives,
                                  .incarnation = wall_ns + history.lives,
                                  .began_ns = history.now_ns};
-    struct broker_options options = {.name = "alpha",
-                                     .incarnation = history.life.incarnation,
-                                     .pid = 9,
-                                     .wall_ns = wall_ns,
-                                     .has_store = history.has_store,
-                                     .number_base =
-                                         history.has_store ? history.life.incarnation : 0,
-                                     .boxes = {history.box_policy, history.box_mails, 0}};
+    struct broker_options options = {
+        .name = "alpha",
+        .incarnation = history.life.incarnation,
+        .pid = 9,
+        .wall_ns = wall_ns,
+        .has_store = history.has_store,
+        .receipt_pause_ns = history_chance(2) ? LIMITER_GOOD_PAUSE_NS : 0,
+        .number_base = history.has_store ? history.life.incarnation : 0,
+        .boxes = {history.box_policy, history.box_mails, 0}};
     history.life.b = broker_kept(&options);
     if (history.has_store) {
         disk_restore();
