@@ -141,9 +141,9 @@ static void all_come_back(void)
 
 static bool name_is_borne(int name)
 {
-    for (int i = 0; i < PROCESSES; i++) {
-        struct actor *a = process_agent(&history.processes[i], name);
-        if (a && !a->refused && !a->leaving) {
+    for (int i = 0; i < PROCESSES * SEATS; i++) {
+        const struct actor *a = &history.processes[i / SEATS].seats[i % SEATS];
+        if (a->name == name && !a->refused && !a->leaving) {
             return true;
         }
     }
