@@ -144,6 +144,20 @@ static void contest(const struct actor *a)
     }
 }
 
+/* @return whether another one has sent mail of that name since the broker wrote the verdict: it had
+ * the name back, and may be dead when this one reads that it was accepted */
+static bool verdict_is_stale(const struct actor *a, uint64_t last_seq)
+{
+    for (uint32_t i = 0; i < history.mails; i++) {
+        const struct entry *e = &history.ledger[i];
+        if (e->src == a->name && e->sender_life != a->life && e->accepted > 0 &&
+            e->life == history.life.number && e->seq > last_seq) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static void verdict_take(struct history_process *p, struct actor *a, bool accepted,
                          uint64_t last_seq, uint64_t incarnation)
 {
@@ -167,6 +181,7 @@ static void verdict_take(struct history_process *p, struct actor *a, bool accept
     a->incarnation = incarnation;
     a->in_order = false;
     contest(a);
+    history.contested[a->life] |= verdict_is_stale(a, last_seq);
     if (a->first_seq >= a->earlier_end) {
         numbers_continue(a, last_seq);
     }
