@@ -152,7 +152,10 @@ mu_result bus_write(const struct bus_writer *writer, const void *sample)
     if (local_needs_dds(local)) {
         result = written(dds_write_ts(writer->writer, sample, local_stamp(local)));
     }
-    return result == MU_OK ? local_write(local, sample) : result;
+    if (result == MU_OK) {
+        local_write(local, sample);
+    }
+    return result;
 }
 
 void bus_dispose(const struct bus_writer *writer, const void *sample)

@@ -11,6 +11,7 @@
 #ifndef MUSTER_BUS_BUS_H
 #define MUSTER_BUS_BUS_H
 
+#include "bus/cdr.h"
 #include "core/text.h"
 #include "muster/result.h"
 
@@ -75,12 +76,6 @@ enum { BUS_ENDPOINTS_MAX = 1024 };
 /* Writers of another version that a reader knows at most; of more, samples are read. */
 enum { BUS_STRANGERS = 16 };
 
-/* Room that grows; its memory is DDS's. */
-struct local_room {
-    char *at;
-    size_t size;
-};
-
 struct bus {
     int32_t domain; /* ours to close; 0: CYCLONEDDS_URI has made it */
     int32_t participant;
@@ -103,8 +98,7 @@ struct bus {
     struct local_source *later;  /* the socket that has brought the last sample; NULL: none */
     struct local_door *doors;    /* all readers with sockets */
     struct local_writer *locals; /* all writers with sockets */
-    struct dds_ostream *room;    /* where a sample for them is put together */
-    struct local_room parcels;   /* the same for a Delivery with several (local_parcels.h) */
+    struct cdr_room room;        /* where a sample for them is put together */
     _Atomic uint32_t matches;    /* how often DDS has matched or missed a reader of theirs */
 };
 

@@ -4,7 +4,7 @@
 #include "bus/bus_arrivals.h"
 #include "bus/bus_fault.h"
 #include "bus/config.h"
-#include "bus/local_frame.h"
+#include "bus/local.h"
 #include "bus/loopback.h"
 #include "core/network.h"
 #include "muster/limits.h"
@@ -237,9 +237,6 @@ mu_result bus_open(struct bus *bus, const struct bus_options *options)
         return bus_fault("participant", bus->participant);
     }
     bus->local = local;
-    bus->parcels = (struct local_room){0};
-    bus->room = dds_alloc(sizeof *bus->room);
-    *bus->room = (dds_ostream_t){.m_xcdr_version = LOCAL_CDR};
     return bus_arrivals_open(bus);
 }
 
@@ -257,15 +254,14 @@ mu_result bus_join(struct bus *bus, const struct mu_network *network, enum bus_p
 
 void bus_close(struct bus *bus)
 {
+    bool opened = bus->participant > 0;
     dds_delete(bus->participant);
     bus->participant = 0;
     domain_close(bus);
-    if (bus->room) {
+    if (opened) {
         local_readers_close(bus);
         local_writers_close(bus);
-        dds_free(bus->room->m_buffer);
-        dds_free(bus->room);
-        dds_free(bus->parcels.at);
+        dds_free(bus->room.at);
         bus_arrivals_close(bus);
     }
 }

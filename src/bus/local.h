@@ -79,8 +79,8 @@ bool local_has_room(struct local_writer *o);
 /** @return whether a reader gets its samples by DDS */
 bool local_needs_dds(const struct local_writer *o);
 
-/** Writes a sample to all that are connected.  @return MU_OK or MU_FAULT_DDS */
-MU_MUST_USE mu_result local_write(struct local_writer *o, const void *sample);
+/** Writes a sample to all that are connected. */
+void local_write(struct local_writer *o, const void *sample);
 
 /** @return a time for the next sample on DDS, later than those of all before */
 dds_time_t local_stamp(struct local_writer *o);

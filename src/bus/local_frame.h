@@ -16,12 +16,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#define asm __asm__ /* a word of Cyclone's headers that is none of standard C */
-#include <dds/ddsi/ddsi_cdrstream.h>
-#undef asm
-
-/* XCDR1, as of all topics; samples begin at multiples of the size of what stands before them. */
-enum { LOCAL_CDR = 1, LOCAL_HEAD = 8 };
+/* Samples begin at multiples of the size of what stands before them. */
+enum { LOCAL_HEAD = 8 };
 
 #define LOCAL_HELLO_MARK UINT64_C(0x316f6c6c6568756d) /* "muhello1" */
 

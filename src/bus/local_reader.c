@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "bus/local.h"
 
+#include "bus/cdr.h"
 #include "bus/local_frame.h"
-#include "bus/local_parcels.h"
 #include "bus/local_token.h"
 #include "bus/topics.h"
 
@@ -326,23 +326,9 @@ void local_reader_ready(struct bus *bus, struct local_source *source)
 static bool frame_decode(struct local_input *in, void *sample)
 {
     const uint32_t *ops = topic_table[in->reader->topic].descriptor->m_ops;
-    uint32_t size = (uint32_t)frame_size(in, in->head) - LOCAL_HEAD, read = 0, others = 0;
-    char *body = in->data + in->head + LOCAL_HEAD;
-    if (in->reader->topic == BUS_DELIVERY) {
-        body = local_parcels_take(&in->bus->parcels, sample, body, &size, &others);
-    }
-    bool whole =
-        body && dds_stream_normalize_data(body, &read, size, false, LOCAL_CDR, ops) != NULL;
-    if (whole) {
-        dds_istream_t stream;
-        dds_istream_init(&stream, size, body, LOCAL_CDR);
-        (void)dds_stream_read(&stream, sample, ops);
-        if (others > 0) {
-            local_parcels_join(sample, others);
-        }
-    } else {
-        in->bus->malformed++;
-    }
+    const char *frame = in->data + in->head;
+    bool whole = cdr_take(sample, frame + LOCAL_HEAD, frame_size(in, in->head) - LOCAL_HEAD, ops);
+    in->bus->malformed += !whole;
     frame_drop(in);
     return whole;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "bus/local.h"
 
+#include "bus/cdr.h"
 #include "bus/local_frame.h"
-#include "bus/local_parcels.h"
 #include "bus/local_token.h"
 #include "bus/topics.h"
 #include "core/clock.h"
@@ -331,42 +331,27 @@ bool local_needs_dds(const struct local_writer *o)
     return needs;
 }
 
-/* @return its size: the sample as it goes by all sockets, in a room of the bus's; 0: DDS has none
- */
-static size_t frame_make(const struct local_writer *o, const void *sample, char **frame)
+/* @return the size of the sample as it goes by all sockets, in a room of the bus's */
+static size_t frame_make(const struct local_writer *o, const void *sample)
 {
-    dds_ostream_t *out = o->bus->room;
-    size_t end = 0;
-    out->m_index = LOCAL_HEAD;
-    if (o->topic == BUS_DELIVERY && local_parcels_are_several(sample)) {
-        end = local_parcels_write(o->bus, sample, frame);
-    } else if (dds_stream_write(out, sample, topic_table[o->topic].descriptor->m_ops)) {
-        end = out->m_index;
-        *frame = (char *)out->m_buffer;
-    }
+    struct cdr_room *room = &o->bus->room;
+    size_t end = cdr_put(room, LOCAL_HEAD, sample, topic_table[o->topic].descriptor->m_ops);
     uint32_t size = (uint32_t)(end + LOCAL_HEAD - 1) / LOCAL_HEAD * LOCAL_HEAD;
-    if (size == 0) {
-        return 0;
-    }
-    memset(*frame + end, 0, size - end); /* both rooms grow by more than that */
-    memset(*frame, 0, LOCAL_HEAD);
-    memcpy(*frame, &size, sizeof size);
+    memset(room->at + end, 0, size - end);
+    memset(room->at, 0, LOCAL_HEAD);
+    memcpy(room->at, &size, sizeof size);
     return size;
 }
 
-mu_result local_write(struct local_writer *o, const void *sample)
+void local_write(struct local_writer *o, const void *sample)
 {
     size_t size = 0;
-    char *frame = NULL;
     for (struct local_pair *p = o->pairs; p; p = p->next) {
-        if (p->state == PAIR_OPEN && size == 0 && (size = frame_make(o, sample, &frame)) == 0) {
-            return MU_FAULT_DDS;
-        }
         if (p->state == PAIR_OPEN) {
-            pair_write(p, frame, size);
+            size = size > 0 ? size : frame_make(o, sample);
+            pair_write(p, o->bus->room.at, size);
         }
     }
-    return MU_OK;
 }
 
 void bus_ways(const struct bus *bus, struct bus_ways *ways)

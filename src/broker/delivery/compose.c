@@ -52,21 +52,21 @@ static bool items_fill(struct broker *b, struct dispatch_part *part, struct disp
                      journal_room(&b->journal, &b->mailbox, agent));
     uint64_t number = box->acked + box->written;
     uint32_t i = box->out;
-    for (; i != MU_NONE && room->parcels > 0; i = mailbox_next(&b->mailbox, i)) {
+    for (; i != MU_NONE && room->items > 0; i = mailbox_next(&b->mailbox, i)) {
         const struct mail *m = b->mailbox.posts[i].mail;
         if (m->bytes > room->bytes) { /* the content of the largest mail fits an empty Delivery */
-            room->parcels = 0;
+            room->items = 0;
             break;
         }
         room->bytes -= m->bytes;
-        room->parcels--;
-        part->parcels++;
+        room->items--;
+        part->items++;
         if (b->dispatch.interval_ns > 0 && !b->mailbox.posts[i].sent) {
             b->dispatch.open_delay_ns += mail_delay_ns(b, m);
         }
         muster_Parcel *item = &d->parcels._buffer[d->parcels._length++];
         *item = (muster_Parcel){.box = b->registry.agents[agent].name,
-                                .number = number + part->parcels,
+                                .number = number + part->items,
                                 .letter = m->letter};
         item->letter.again = m->letter.again || b->mailbox.posts[i].sent;
         item->letter.ttl_ns = ttl_left_ns(b, m);
@@ -201,7 +201,7 @@ static void delivery_begin(struct broker *b, const struct process *at, muster_De
                            .roll_call = at->roll_call_due,
                            .seat = at->seat,
                            .serial = at->serial + 1,
-                           .parcels = {DISPATCH_ITEMS, 0, c->parcels, false},
+                           .parcels = {DISPATCH_ITEMS, 0, c->items, false},
                            .receipts = {DISPATCH_RECEIPTS, 0, c->receipts, false},
                            .verdicts = {DISPATCH_VERDICTS, 0, c->verdicts, false},
                            .members = {DISPATCH_MEMBERS, 0, c->members, false},
@@ -227,14 +227,14 @@ static void parts_fill(struct broker *b, muster_Delivery *d)
 {
     struct dispatch *c = &b->dispatch;
     bool flooded = pacing_is_due(&b->processes.at[c->open]) && pacing_is_flooded(b, c->open);
-    struct dispatch_room room = {.parcels = flooded ? PACING_MAILS : MU_WINDOW_MAX,
+    struct dispatch_room room = {.items = flooded ? PACING_MAILS : MU_WINDOW_MAX,
                                  .bytes = DISPATCH_BYTES};
     for (uint32_t i = 0; i < c->parts_count; i++) {
         struct dispatch_part *part = &c->parts[i];
         if (is_paced(b)) { /* each box has its own room: none can starve another */
             uint32_t left = DISPATCH_ITEMS - d->parcels._length;
             uint32_t most = MU_WINDOW_MAX + MAILBOX_RESERVE;
-            room = (struct dispatch_room){.parcels = left < most ? left : most,
+            room = (struct dispatch_room){.items = left < most ? left : most,
                                           .bytes = DISPATCH_BOX_BYTES};
         }
         part->passed_by = !items_fill(b, part, &room, d);

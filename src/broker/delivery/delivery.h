@@ -173,7 +173,7 @@ struct dispatch_counts {
 /* What of one agent is in the open Delivery. */
 struct dispatch_part {
     uint32_t agent; /* first: see registry_compare */
-    uint32_t parcels;
+    uint32_t items;
     uint32_t receipts;
     bool verdict;
     bool passed_by; /* there was no room to look at all that it may have */
@@ -181,7 +181,7 @@ struct dispatch_part {
 
 /* Room that is left in a Delivery. */
 struct dispatch_room {
-    uint32_t parcels;
+    uint32_t items;
     size_t bytes;
 };
 
@@ -206,7 +206,7 @@ struct dispatch {
     muster_Glance probe;
     struct dispatch_part parts[DISPATCH_AGENTS];
     uint32_t parts_count;
-    muster_Parcel parcels[DISPATCH_ITEMS];
+    muster_Parcel items[DISPATCH_ITEMS];
     muster_Receipt receipts[DISPATCH_RECEIPTS];
     muster_Verdict verdicts[DISPATCH_VERDICTS];
     muster_Member members[DISPATCH_MEMBERS];

@@ -174,18 +174,18 @@ static void part_delivered(struct broker *b, const struct dispatch_part *part)
         return;
     }
     bool paced = scope_is_paced(b->dispatch.view.scope);
-    b->counters.resent += mailbox_mark_written(&b->mailbox, part->agent, part->parcels,
+    b->counters.resent += mailbox_mark_written(&b->mailbox, part->agent, part->items,
                                                paced ? MAILBOX_UNWATCHED : b->clock.now_ns);
 }
 
-static void delivery_count(struct dispatch *c, uint32_t parcels)
+static void delivery_count(struct dispatch *c, uint32_t items)
 {
     c->worked = c->worked || !scope_is_paced(c->view.scope);
     c->count.deliveries++;
-    c->count.items += parcels;
+    c->count.items += items;
     c->count.delay_ns += c->open_delay_ns;
-    if (parcels > c->count.most_items) {
-        c->count.most_items = parcels;
+    if (items > c->count.most_items) {
+        c->count.most_items = items;
     }
 }
 
@@ -215,15 +215,15 @@ static void process_go_on(struct broker *b, const struct process *at, uint32_t p
 static void parts_delivered(struct broker *b, struct process *at)
 {
     struct dispatch *c = &b->dispatch;
-    uint32_t parcels = 0, from = MU_NONE;
+    uint32_t items = 0, from = MU_NONE;
     for (uint32_t i = 0; i < c->parts_count; i++) {
-        parcels += c->parts[i].parcels;
+        items += c->parts[i].items;
         part_delivered(b, &c->parts[i]);
-        from = c->parts[i].parcels > 0 ? part_from(b, &c->parts[i]) : from;
+        from = c->parts[i].items > 0 ? part_from(b, &c->parts[i]) : from;
     }
     parts_return(b, true);
-    delivery_count(c, parcels);
-    pacing_note_delivery(at, parcels, from, b->clock.now_ns);
+    delivery_count(c, items);
+    pacing_note_delivery(at, items, from, b->clock.now_ns);
     at->serial++;
     at->refusals_count = 0;
     at->roll_call_due = false;

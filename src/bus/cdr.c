@@ -1,0 +1,264 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "bus/cdr.h"
+
+#include "muster/result.h"
+
+#include <dds/dds.h>
+#include <string.h>
+
+static size_t aligned(size_t at, size_t to)
+{
+    return (at + to - 1) & ~(to - 1);
+}
+
+/* The type of a member: one of those that the topics with sockets have. */
+static int type_of(uint32_t op)
+{
+    return DDS_OP_TYPE(op);
+}
+
+static int element_of(uint32_t op)
+{
+    return DDS_OP_SUBTYPE(op);
+}
+
+/* @return the bytes of an element that is a number */
+static size_t number_size(uint32_t op)
+{
+    MU_ASSERT(element_of(op) == DDS_OP_VAL_4BY || element_of(op) == DDS_OP_VAL_8BY);
+    return element_of(op) == DDS_OP_VAL_4BY ? 4 : 8;
+}
+
+/* A member has its type and its place.  A third word is an enum's greatest value, or where the
+ * table of a struct is; a sequence of structs has their size before that. */
+static const uint32_t *ops_next(const uint32_t *ops)
+{
+    switch (type_of(*ops)) {
+    case DDS_OP_VAL_ENU:
+    case DDS_OP_VAL_EXT: return ops + 3;
+    case DDS_OP_VAL_SEQ: return ops + (element_of(*ops) == DDS_OP_VAL_STU ? 4 : 2);
+    default: return ops + 2;
+    }
+}
+
+/* --- writing ---------------------------------------------------------------------------------- */
+
+/* Makes room for so many bytes behind padding, which is zero. */
+static size_t put_begin(struct cdr_room *room, size_t at, size_t to, size_t bytes)
+{
+    if (at + 16 + bytes > room->size) {
+        room->size = 2 * (at + 16 + bytes);
+        room->at = dds_realloc(room->at, room->size);
+    }
+    memset(room->at + at, 0, 8);
+    return aligned(at, to);
+}
+
+static size_t four_put(struct cdr_room *room, size_t at, const void *from)
+{
+    at = put_begin(room, at, 4, 4);
+    memcpy(room->at + at, from, 4);
+    return at + 4;
+}
+
+static size_t eight_put(struct cdr_room *room, size_t at, const void *from)
+{
+    at = put_begin(room, at, 8, 8);
+    memcpy(room->at + at, from, 8);
+    return at + 8;
+}
+
+static size_t text_put(struct cdr_room *room, size_t at, const char *text)
+{
+    uint32_t len = text ? (uint32_t)strlen(text) + 1 : 1;
+    at = put_begin(room, at, 4, 4 + len);
+    memcpy(room->at + at, &len, 4);
+    memcpy(room->at + at + 4, text ? text : "", len);
+    return at + 4 + len;
+}
+
+static size_t struct_put(struct cdr_room *room, size_t at, const char *from, const uint32_t *ops);
+
+static size_t sequence_put(struct cdr_room *room, size_t at, const dds_sequence_t *from,
+                           const uint32_t *ops)
+{
+    const char *element = (const char *)from->_buffer;
+    at = four_put(room, at, &from->_length);
+    if (element_of(*ops) == DDS_OP_VAL_STU) {
+        for (uint32_t i = 0; i < from->_length; i++, element += ops[2]) {
+            at = struct_put(room, at, element, ops + DDS_OP_ADR_JSR(ops[3]));
+        }
+    } else if (from->_length > 0) {
+        size_t each = number_size(*ops), bytes = each * from->_length;
+        at = put_begin(room, at, each, bytes);
+        memcpy(room->at + at, element, bytes);
+        at += bytes;
+    }
+    return at;
+}
+
+static size_t struct_put(struct cdr_room *room, size_t at, const char *from, const uint32_t *ops)
+{
+    for (; *ops != DDS_OP_RTS; ops = ops_next(ops)) {
+        const void *member = from + ops[1];
+        switch (type_of(*ops)) {
+        case DDS_OP_VAL_STR: at = text_put(room, at, *(char *const *)member); break;
+        case DDS_OP_VAL_8BY: at = eight_put(room, at, member); break;
+        case DDS_OP_VAL_4BY:
+        case DDS_OP_VAL_ENU: at = four_put(room, at, member); break;
+        case DDS_OP_VAL_BLN:
+            at = put_begin(room, at, 1, 1);
+            room->at[at++] = *(const bool *)member;
+            break;
+        case DDS_OP_VAL_SEQ: at = sequence_put(room, at, member, ops); break;
+        case DDS_OP_VAL_EXT: at = struct_put(room, at, member, ops + DDS_OP_ADR_JSR(ops[2])); break;
+        default: MU_ASSERT(!"a type that no topic has");
+        }
+    }
+    return at;
+}
+
+size_t cdr_put(struct cdr_room *room, size_t at, const void *sample, const uint32_t *ops)
+{
+    return struct_put(room, at, sample, ops);
+}
+
+/* --- reading ---------------------------------------------------------------------------------- */
+
+struct reading {
+    const char *from;
+    size_t at, size;
+};
+
+/* @return where so many bytes stand, which are read then; NULL: there are none */
+static const char *take(struct reading *r, size_t to, size_t bytes)
+{
+    size_t begin = aligned(r->at, to);
+    if (begin > r->size || bytes > r->size - begin) {
+        return NULL;
+    }
+    r->at = begin + bytes;
+    return r->from + begin;
+}
+
+static bool four_take(struct reading *r, void *to)
+{
+    const char *from = take(r, 4, 4);
+    if (from) {
+        memcpy(to, from, 4);
+    }
+    return from;
+}
+
+static bool eight_take(struct reading *r, void *to)
+{
+    const char *from = take(r, 8, 8);
+    if (from) {
+        memcpy(to, from, 8);
+    }
+    return from;
+}
+
+static bool truth_take(struct reading *r, bool *to)
+{
+    const char *from = take(r, 1, 1);
+    if (!from || (unsigned char)*from > 1) {
+        return false;
+    }
+    *to = *from;
+    return true;
+}
+
+static bool word_take(struct reading *r, uint32_t *to, uint32_t greatest)
+{
+    return four_take(r, to) && *to <= greatest;
+}
+
+static bool text_take(struct reading *r, char **to)
+{
+    uint32_t len;
+    const char *text = four_take(r, &len) ? take(r, 1, len) : NULL;
+    if (!text || len == 0 || text[len - 1] != '\0') {
+        return false;
+    }
+    if (!*to || (len > 1 && strlen(*to) + 1 < len)) {
+        *to = dds_realloc(*to, len);
+    }
+    memcpy(*to, text, len);
+    return true;
+}
+
+/* As DDS does it: what a sequence had before it keeps, for the next one to use. */
+static bool sequence_room(dds_sequence_t *to, uint32_t count, size_t each)
+{
+    if (to->_length > to->_maximum) {
+        to->_maximum = to->_length;
+    }
+    if (count > to->_maximum && (to->_release || to->_maximum == 0)) {
+        to->_buffer = dds_realloc(to->_buffer, count * each);
+        memset(to->_buffer + to->_maximum * each, 0, (count - to->_maximum) * each);
+        to->_maximum = count;
+        to->_release = true;
+    }
+    return count <= to->_maximum;
+}
+
+static bool struct_take(struct reading *r, char *to, const uint32_t *ops);
+
+static bool structs_take(struct reading *r, dds_sequence_t *to, uint32_t count, const uint32_t *ops)
+{
+    enum { LEAST = 24 }; /* bytes of the shortest struct, an Ack: so memory is bound by what came */
+    if (count > (r->size - r->at) / LEAST || !sequence_room(to, count, ops[2])) {
+        return false;
+    }
+    char *element = (char *)to->_buffer;
+    for (uint32_t i = 0; i < count; i++, element += ops[2]) {
+        if (!struct_take(r, element, ops + DDS_OP_ADR_JSR(ops[3]))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool sequence_take(struct reading *r, dds_sequence_t *to, const uint32_t *ops)
+{
+    uint32_t count;
+    bool whole = four_take(r, &count);
+    if (whole && count > 0 && element_of(*ops) == DDS_OP_VAL_STU) {
+        whole = structs_take(r, to, count, ops);
+    } else if (whole && count > 0) {
+        size_t each = number_size(*ops);
+        const char *from = take(r, each, each * count);
+        whole = from && sequence_room(to, count, each);
+        if (whole) {
+            memcpy(to->_buffer, from, each * count);
+        }
+    }
+    to->_length = whole ? count : 0;
+    return whole;
+}
+
+static bool struct_take(struct reading *r, char *to, const uint32_t *ops)
+{
+    bool whole = true;
+    for (; whole && *ops != DDS_OP_RTS; ops = ops_next(ops)) {
+        void *member = to + ops[1];
+        switch (type_of(*ops)) {
+        case DDS_OP_VAL_STR: whole = text_take(r, member); break;
+        case DDS_OP_VAL_8BY: whole = eight_take(r, member); break;
+        case DDS_OP_VAL_4BY: whole = four_take(r, member); break;
+        case DDS_OP_VAL_ENU: whole = word_take(r, member, ops[2]); break;
+        case DDS_OP_VAL_BLN: whole = truth_take(r, member); break;
+        case DDS_OP_VAL_SEQ: whole = sequence_take(r, member, ops); break;
+        case DDS_OP_VAL_EXT: whole = struct_take(r, member, ops + DDS_OP_ADR_JSR(ops[2])); break;
+        default: MU_ASSERT(!"a type that no topic has");
+        }
+    }
+    return whole;
+}
+
+bool cdr_take(void *sample, const char *from, size_t size, const uint32_t *ops)
+{
+    struct reading r = {.from = from, .size = size};
+    return struct_take(&r, sample, ops);
+}
