@@ -79,6 +79,7 @@ mu_result bus_reader_open_deep(struct bus *bus, enum bus_topic topic, const char
     }
     dds_listener_t *listener = dds_create_listener(reader);
     dds_lset_data_available(listener, bus_arrivals_note);
+    dds_lset_subscription_matched(listener, bus_arrivals_meet);
     local_reader_open(reader, qos);
     reader->reader = dds_create_reader(subscriber, about, qos, listener);
     dds_delete_listener(listener);

@@ -15,7 +15,6 @@
 #include "core/text.h"
 #include "muster/result.h"
 
-#include <pthread.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -84,11 +83,11 @@ struct bus {
     int32_t topics[BUS_TOPICS][2]; /* bare, and described (topics.h); 0: not opened yet */
     uint64_t malformed;            /* samples refused at the border */
     /* How many samples of DDS lie in the readers.  Counted by listeners, in threads of DDS. */
-    pthread_mutex_t lock;
-    uint64_t arrived;            /* samples, ever */
-    uint64_t taken;              /* of them, no longer in a reader */
-    uint64_t wanted;             /* bus_wait wakes when so many are there; 0: no thread waits */
-    bool wakes;                  /* a caller has asked for wake_fd: each arrival is news to it */
+    _Atomic uint64_t arrived;    /* samples, ever */
+    _Atomic uint64_t taken;      /* of them, no longer in a reader */
+    _Atomic uint64_t wanted;     /* bus_wait wakes when so many are there; 0: no thread waits */
+    _Atomic bool wakes;          /* a caller has asked for wake_fd: each arrival is news to it */
+    uint64_t waited_ns;          /* when bus_wait last looked at the clock */
     int poll_fd;                 /* an epoll of all that brings samples: */
     int note_fd;                 /* an eventfd that listeners write to, and sockets (local.h) */
     bool local;                  /* there may be sockets */
@@ -114,10 +113,11 @@ struct bus_reader {
     struct bus *bus;
     enum bus_topic topic;
     int32_t reader;
-    struct local_door *door; /* NULL: DDS alone */
-    uint64_t arrived, taken; /* as in struct bus, of this reader; under its lock */
-    uint64_t looked_ns;      /* when it was last asked for samples */
-    uint32_t met;            /* writers, ever, that were looked at (bus_reader_meets) */
+    struct local_door *door;                /* NULL: DDS alone */
+    _Atomic uint64_t arrived;               /* as in struct bus, of this reader */
+    uint64_t taken, looked_ns;              /* when it was last asked for samples */
+    _Atomic uint32_t writers, writers_ever; /* that DDS has matched, now and ever */
+    uint32_t met;                           /* of them, that were looked at (bus_reader_meets) */
     uint32_t strangers;
     uint64_t stranger[BUS_STRANGERS]; /* the next one replaces the oldest */
     int32_t count, next;              /* of the batch */

@@ -21,7 +21,6 @@ enum { REGULAR = 8 };
 
 mu_result bus_arrivals_open(struct bus *bus)
 {
-    pthread_mutex_init(&bus->lock, NULL);
     bus->poll_fd = epoll_create1(EPOLL_CLOEXEC);
     bus->note_fd = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
     struct epoll_event note = {.events = EPOLLIN, .data.ptr = NULL};
@@ -40,19 +39,20 @@ void bus_arrivals_close(struct bus *bus)
 
 /* --- counting --------------------------------------------------------------------------------- */
 
+/* Each side writes first and then reads what the other one has written: either the listener sees
+ * what is wanted, or the thread that waits sees what has come. */
 void bus_arrivals_note(int32_t entity, void *reader)
 {
     (void)entity;
     struct bus_reader *r = reader;
     struct bus *bus = r->bus;
-    pthread_mutex_lock(&bus->lock);
-    r->arrived++;
-    bus->arrived++;
-    bool enough = bus->wanted > 0 && bus->arrived - bus->taken >= bus->wanted;
-    bus->wanted = enough ? 0 : bus->wanted; /* one wake for one wait */
-    bool tells = enough || bus->wakes;
-    pthread_mutex_unlock(&bus->lock);
-    if (tells) {
+    atomic_fetch_add(&r->arrived, 1);
+    uint64_t there = atomic_fetch_add(&bus->arrived, 1) + 1 - atomic_load(&bus->taken);
+    uint64_t wanted = atomic_load(&bus->wanted);
+    bool enough =
+        wanted > 0 && there >= wanted &&
+        atomic_compare_exchange_strong(&bus->wanted, &wanted, 0); /* one wake for one wait */
+    if (enough || atomic_load(&bus->wakes)) {
         (void)eventfd_write(bus->note_fd, 1); /* full is readable, too */
     }
 }
@@ -64,26 +64,30 @@ void bus_arrivals_match(dds_entity_t writer, dds_publication_matched_status_t st
     atomic_fetch_add(&((struct bus *)bus)->matches, 1);
 }
 
+void bus_arrivals_meet(dds_entity_t entity, dds_subscription_matched_status_t status, void *reader)
+{
+    (void)entity;
+    struct bus_reader *r = reader;
+    atomic_store(&r->writers, status.current_count);
+    atomic_store(&r->writers_ever, status.total_count);
+}
+
 bool bus_arrivals_are_news(struct bus_reader *r, uint64_t *arrived)
 {
-    pthread_mutex_lock(&r->bus->lock);
-    *arrived = r->arrived;
-    bool news = r->arrived != r->taken;
-    pthread_mutex_unlock(&r->bus->lock);
-    uint64_t now_ns = mu_clock_ns();
-    news = news || now_ns - r->looked_ns > LOOK_NS;
+    *arrived = atomic_load(&r->arrived);
+    bool news = *arrived != r->taken || r->bus->waited_ns - r->looked_ns > LOOK_NS;
     if (news) {
-        r->looked_ns = now_ns;
+        r->looked_ns = r->bus->waited_ns;
     }
     return news;
 }
 
 void bus_arrivals_taken(struct bus_reader *r, uint64_t arrived)
 {
-    pthread_mutex_lock(&r->bus->lock);
-    r->bus->taken += arrived - r->taken;
-    r->taken = arrived;
-    pthread_mutex_unlock(&r->bus->lock);
+    if (arrived != r->taken) {
+        atomic_fetch_add(&r->bus->taken, arrived - r->taken);
+        r->taken = arrived;
+    }
 }
 
 /* --- descriptors ------------------------------------------------------------------------------ */
@@ -125,13 +129,15 @@ void bus_arrivals_poll(struct bus *bus, int64_t timeout_ns)
 
 /* --- waiting ---------------------------------------------------------------------------------- */
 
+/* @return how many samples lie in the readers and in what sockets have brought */
+static uint64_t samples_there(struct bus *bus)
+{
+    return atomic_load(&bus->arrived) - atomic_load(&bus->taken) + bus->local_frames;
+}
+
 int bus_wake_fd(struct bus *bus)
 {
-    pthread_mutex_lock(&bus->lock);
-    bool lie_there = !bus->wakes && bus->arrived != bus->taken;
-    bus->wakes = true;
-    pthread_mutex_unlock(&bus->lock);
-    if (lie_there) {
+    if (!atomic_exchange(&bus->wakes, true) && samples_there(bus) > bus->local_frames) {
         (void)eventfd_write(bus->note_fd, 1);
     }
     return bus->poll_fd;
@@ -140,19 +146,11 @@ int bus_wake_fd(struct bus *bus)
 /* Says how many samples a listener has to wait for.  @return whether that many are there */
 static bool samples_want(struct bus *bus, uint64_t samples)
 {
-    pthread_mutex_lock(&bus->lock);
-    bool come = bus->arrived - bus->taken + bus->local_frames >= samples;
-    bus->wanted = come ? 0 : samples - bus->local_frames;
-    pthread_mutex_unlock(&bus->lock);
-    return come;
-}
-
-static uint64_t samples_there(struct bus *bus)
-{
-    pthread_mutex_lock(&bus->lock);
-    uint64_t there = bus->arrived - bus->taken + bus->local_frames;
-    pthread_mutex_unlock(&bus->lock);
-    return there;
+    if (samples_there(bus) >= samples) {
+        return true;
+    }
+    atomic_store(&bus->wanted, samples - bus->local_frames);
+    return samples_there(bus) >= samples;
 }
 
 /* Waits for the later one of two samples, if that comes by one socket in each step: the other one
@@ -168,12 +166,10 @@ static void later_await(struct bus *bus, uint64_t most_ns)
     }
 }
 
-bool bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
+/* Waits as long as there is time.  @return whether so many samples are there */
+static bool samples_await(struct bus *bus, uint64_t samples, uint64_t until_ns)
 {
-    uint64_t now_ns = mu_clock_ns(),
-             until_ns = now_ns + (timeout_ns > 0 ? (uint64_t)timeout_ns : 0);
-    samples = samples > 0 ? samples : samples_there(bus) + 1;
-    local_match(bus);
+    uint64_t now_ns = bus->waited_ns;
     bool come = samples_want(bus, samples);
     if (samples == 2 && !come) {
         later_await(bus, until_ns - now_ns);
@@ -184,7 +180,20 @@ bool bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
         now_ns = mu_clock_ns();
         come = samples_want(bus, samples);
     } while (!come && now_ns < until_ns);
-    (void)samples_want(bus, 0);
+    atomic_store(&bus->wanted, 0);
+    bus->waited_ns = now_ns;
     bus->pairs += come && samples == 2;
     return come;
+}
+
+bool bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
+{
+    samples = samples > 0 ? samples : samples_there(bus) + 1;
+    local_match(bus);
+    bus->waited_ns = mu_clock_ns();
+    if (timeout_ns > 0) {
+        return samples_await(bus, samples, bus->waited_ns + (uint64_t)timeout_ns);
+    }
+    bus_arrivals_poll(bus, 0);
+    return samples_there(bus) >= samples;
 }

@@ -3,7 +3,7 @@
  * @file bus_arrivals.h
  * How many samples lie in the readers, and the thread that sleeps until there is one.
  *
- * Threads of DDS count, under the lock of the bus; the thread that has the bus takes, and reads the
+ * Threads of DDS count; the thread that has the bus takes, and reads the
  * sockets (local.h).
  */
 #ifndef MUSTER_BUS_BUS_ARRIVALS_H
@@ -23,6 +23,9 @@ void bus_arrivals_poll(struct bus *bus, int64_t timeout_ns);
 
 /** Listener of a writer, whose argument is the bus. */
 void bus_arrivals_match(dds_entity_t writer, dds_publication_matched_status_t status, void *bus);
+
+/** The same of a reader, whose argument it is. */
+void bus_arrivals_meet(dds_entity_t entity, dds_subscription_matched_status_t status, void *reader);
 
 /** Listener of a reader, whose argument it is; runs in a thread of DDS, once for each sample. */
 void bus_arrivals_note(int32_t entity, void *reader);

@@ -104,6 +104,9 @@ dds_instance_handle_t bus_writer_find(const struct bus_reader *r, const dds_guid
 
 uint32_t bus_writer_matches(const struct bus_writer *writer)
 {
+    if (writer->local && writer->bus->participant > 0) {
+        return local_matches(writer->local);
+    }
     dds_publication_matched_status_t status;
     dds_return_t code = dds_get_publication_matched_status(writer->writer, &status);
     return code < 0 ? 0 : status.current_count;
@@ -118,9 +121,7 @@ uint32_t bus_writer_matched_ever(const struct bus_writer *writer)
 
 uint32_t bus_reader_matches(const struct bus_reader *reader)
 {
-    dds_subscription_matched_status_t status;
-    dds_return_t code = dds_get_subscription_matched_status(reader->reader, &status);
-    return code < 0 ? 0 : status.current_count;
+    return reader->reader > 0 && reader->bus->participant > 0 ? atomic_load(&reader->writers) : 0;
 }
 
 /* --- of another version ----------------------------------------------------------------------- */
@@ -172,10 +173,9 @@ bool bus_reader_is_stranger(const struct bus_reader *reader, uint64_t writer)
 
 bool bus_reader_meets(struct bus_reader *reader, char *who, size_t size)
 {
-    dds_subscription_matched_status_t status;
     dds_instance_handle_t writers[BUS_ENDPOINTS_MAX];
-    if (dds_get_subscription_matched_status(reader->reader, &status) < 0 ||
-        status.total_count == reader->met) {
+    uint32_t ever = atomic_load(&reader->writers_ever);
+    if (ever == reader->met) {
         return false;
     }
     dds_return_t count = dds_get_matched_publications(reader->reader, writers, BUS_ENDPOINTS_MAX);
@@ -199,6 +199,6 @@ bool bus_reader_meets(struct bus_reader *reader, char *who, size_t size)
             return true;
         }
     }
-    reader->met = status.total_count;
+    reader->met = ever;
     return false;
 }

@@ -73,6 +73,9 @@ void local_writer_ready(struct local_source *source, uint32_t events);
 /** Connects all writers to the readers that DDS has matched. */
 void local_match(struct bus *bus);
 
+/** @return how many readers DDS has matched, of which at most BUS_ENDPOINTS_MAX count */
+uint32_t local_matches(struct local_writer *o);
+
 /** @return whether a sample can be written now: all pairs are settled, and take more */
 bool local_has_room(struct local_writer *o);
 

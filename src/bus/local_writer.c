@@ -294,6 +294,16 @@ void local_match(struct bus *bus)
     }
 }
 
+uint32_t local_matches(struct local_writer *o)
+{
+    uint32_t count = 0;
+    writer_match(o);
+    for (const struct local_pair *p = o->pairs; p; p = p->next) {
+        count++;
+    }
+    return count;
+}
+
 /* --- writing ---------------------------------------------------------------------------------- */
 
 /* @return whether the pair is settled: the reader has answered, or has had its time */
