@@ -3,6 +3,7 @@
 
 #include "core/built.h"
 #include "core/clock.h"
+#include "core/forks.h"
 #include "core/name.h"
 #include "core/signals.h"
 #include "muster/kind.h"
@@ -139,7 +140,7 @@ mu_result mu_process_open_built(mu_process **out, const struct mu_process_option
     }
     mu_process *p = mu_startup_alloc(sizeof *p);
     p->role = options->with_body ? PROCESS_BODY : options->watches ? PROCESS_WATCH : PROCESS_PLAIN;
-    p->pid = getpid();
+    p->forks = mu_forks();
     process_take_memory(p, options->agents, options->outbox);
     p->handlers_size = sizes[1];
     directory_init(&p->directory);
@@ -155,7 +156,7 @@ mu_result mu_process_open_built(mu_process **out, const struct mu_process_option
 
 void mu_process_close(mu_process *p)
 {
-    if (!p || p->pid != getpid()) {
+    if (!p || p->forks != mu_forks()) {
         return; /* what DDS runs in is not copied by fork */
     }
     MU_ASSERT(!p->spins);

@@ -160,7 +160,7 @@ struct mu_process {
     struct bus_reader delivery, multicasts, sense;
     uint64_t incarnation;
     uint32_t handlers_size;  /* in the program, which may know fewer */
-    pid_t pid;               /* that opened it: a child has no threads of DDS */
+    uint32_t forks;          /* mu_forks() where it was opened: a child has no threads of DDS */
     bool spins;              /* in mu_process_spin, and so in handlers */
     bool runs;               /* in mu_process_run */
     struct mu_agent *agents; /* agents_max of them; one that has left keeps its place */

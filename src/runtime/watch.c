@@ -3,6 +3,7 @@
 
 #include "core/built.h"
 #include "core/clock.h"
+#include "core/forks.h"
 #include "core/signals.h"
 #include "core/text.h"
 #include "muster/memory.h"
@@ -49,8 +50,8 @@ struct mu_watch {
     char hash[MU_FIELD_MAX + 2];
     char reason[MU_ATTRIBUTES_MAX + 1];
     volatile sig_atomic_t stopped;
-    pid_t pid;  /* that opened it */
-    bool spins; /* in mu_watch_spin, and so in handlers */
+    uint32_t forks; /* as in struct mu_process */
+    bool spins;     /* in mu_watch_spin, and so in handlers */
 };
 
 static bool has_scene(const mu_watch *w)
@@ -138,7 +139,7 @@ mu_result mu_watch_open_built(mu_watch **out, mu_process *p, const struct mu_wat
     memcpy(&own, options, sizes[0]);
     options = &own;
     mu_watch *w = mu_startup_alloc(sizeof *w);
-    w->pid = getpid();
+    w->forks = mu_forks();
     w->process = p;
     w->bus = p ? &p->bus : &w->own;
     w->handlers = options->handlers;
@@ -349,7 +350,7 @@ mu_result mu_watch_spin(mu_watch *w, int64_t timeout_ns)
     if (w->spins) {
         return MU_BUSY;
     }
-    if (w->pid != getpid()) {
+    if (w->forks != mu_forks()) {
         return MU_FAULT_USAGE;
     }
     w->spins = true;
@@ -392,7 +393,7 @@ int mu_watch_wake_fd(mu_watch *w)
 
 void mu_watch_close(mu_watch *w)
 {
-    if (w && w->pid == getpid()) { /* what DDS runs in is not copied by fork */
+    if (w && w->forks == mu_forks()) { /* what DDS runs in is not copied by fork */
         MU_ASSERT(!w->spins);
         bus_leave(w);
     }
