@@ -114,11 +114,12 @@ static void ups_take(struct node *p)
         if (life != BUS_DATA) {
             continue;
         }
+        uint64_t now_ns = mu_clock_ns();
         struct outlet *outlet = outlets_find(&p->outlets, up->process);
         if (outlet) {
-            outlet->heard_ns = mu_clock_ns();
+            outlet->heard_ns = now_ns;
         }
-        broker_up(p->own.broker, up, post_now(p));
+        broker_up(p->own.broker, up, now_ns - p->began_ns);
     }
 }
 
@@ -148,11 +149,11 @@ static bool registrations_take(struct node *p)
 }
 
 /* @return whether processes may have come or gone */
-static bool post_take(struct node *p)
+static bool post_take(struct node *p, uint64_t run_ns)
 {
     bool some = registrations_take(p);
     ups_take(p);
-    links_take(&p->peers, p->own.broker, post_now(p));
+    links_take(&p->peers, p->own.broker, run_ns);
     rosters_take(p);
     return some || p->roster;
 }
@@ -238,14 +239,15 @@ static void store_write(struct node *p)
 
 static void post_round(struct node *p)
 {
+    uint64_t now_ns = mu_clock_ns(), run_ns = now_ns - p->began_ns;
     beacon_hear(&p->beacon);
-    beacon_tell(&p->beacon, p->own.broker, &p->outlets);
-    links_follow(&p->peers, &p->beacon.beacons.others, p->own.broker, post_now(p));
-    p->unmatched = post_take(p) || p->unmatched;
-    bool look = mu_clock_ns() - p->looked_ns >= LOOK_NS;
+    beacon_tell(&p->beacon, p->own.broker, &p->outlets, now_ns);
+    links_follow(&p->peers, &p->beacon.beacons.others, p->own.broker, run_ns);
+    p->unmatched = post_take(p, run_ns) || p->unmatched;
+    bool look = now_ns - p->looked_ns >= LOOK_NS;
     if (look || p->unmatched) {
         outlets_follow(&p->outlets);
-        p->unmatched = outlets_look(&p->outlets, p->simulator, look, post_now(p));
+        p->unmatched = outlets_look(&p->outlets, p->simulator, look, run_ns);
     }
     bool impatient = p->unmatched;
     broker_tick(p->own.broker, post_now(p));
@@ -256,7 +258,7 @@ static void post_round(struct node *p)
     alerts_tell(p);
     files_audit_write(&p->own.audit, p->own.broker);
     if (look) {
-        p->looked_ns = mu_clock_ns();
+        p->looked_ns = now_ns;
         telemetry_tell(&p->health, p->own.broker, p->looked_ns);
         if (p->own.disk) {
             disk_rest(p->own.disk, post_now(p));
@@ -272,7 +274,7 @@ static void doubt_settle(struct node *p, bool is_lone)
     uint64_t until_ns = post_now(p) + DOUBT_NS;
     while (!is_lone && !h->yields && !mu_signal_came && post_now(p) < until_ns) {
         beacon_hear(h);
-        beacon_tell(h, p->own.broker, &p->outlets);
+        beacon_tell(h, p->own.broker, &p->outlets, mu_clock_ns());
         bus_wait(&p->bus, 1, IMPATIENT_NS);
     }
     h->sure = true;

@@ -157,11 +157,10 @@ static bool must_wait(struct link *l, const struct beacons_broker *best, const c
     return is_first && !choice_is_final(best, host, wanted) && now_ns - l->heard_ns < SETTLE_NS;
 }
 
-mu_result link_look(mu_process *p, bool *turned)
+mu_result link_look(mu_process *p, uint64_t now_ns, bool *turned)
 {
     struct link *l = &p->link;
     *turned = false;
-    uint64_t now_ns = mu_clock_ns();
     if (l->looked_ns && now_ns - l->looked_ns > ABSENCE_NS) {
         l->patient_until_ns = now_ns + HEARTBEAT_NS;
     }

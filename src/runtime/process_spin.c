@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The turns of a process: how long it waits, and what it does then. */
 #include "core/clock.h"
+#include "core/forks.h"
 #include "core/signals.h"
 #include "runtime/process.h"
 
@@ -93,9 +94,8 @@ static void run_leave(mu_process *p)
     p->step = NULL;
 }
 
-static void registrations_keep(mu_process *p)
+static void registrations_keep(mu_process *p, uint64_t now_ns)
 {
-    uint64_t now_ns = mu_clock_ns();
     bool due = now_ns - p->heartbeat_ns >= HEARTBEAT_NS;
     if (due && process_in_lockstep(p) && bus_reader_matches(&p->sense) == 0) {
         run_leave(p);
@@ -169,11 +169,10 @@ static int64_t patience_ns(mu_process *p)
 }
 
 /* How long it may wait: until something is to be looked at, or acknowledgements are due. */
-static int64_t rest_ns(mu_process *p)
+static int64_t rest_ns(mu_process *p, uint64_t now_ns)
 {
     int64_t most_ns = patience_ns(p);
-    int64_t acks_ns =
-        process_in_lockstep(p) ? INT64_MAX : ack_delay_wait_ns(&p->ack_delay, mu_clock_ns());
+    int64_t acks_ns = process_in_lockstep(p) ? INT64_MAX : ack_delay_wait_ns(&p->ack_delay, now_ns);
     return acks_ns < most_ns ? acks_ns : most_ns;
 }
 
@@ -213,16 +212,17 @@ void process_turn(mu_process *p)
 static mu_result spin(mu_process *p, int64_t timeout_ns)
 {
     bool turned;
-    MU_TRY(link_look(p, &turned));
+    uint64_t now_ns = mu_clock_ns();
+    MU_TRY(link_look(p, now_ns, &turned));
     if (turned) {
         inbox_drop(p);
     }
-    registrations_keep(p);
+    registrations_keep(p, now_ns);
     roll_write(p);
     if (!process_in_lockstep(p)) {
         step_flush(p);
     }
-    int64_t most_ns = rest_ns(p);
+    int64_t most_ns = rest_ns(p, now_ns);
     samples_await(p, timeout_ns < most_ns ? timeout_ns : most_ns);
     process_turn(p);
     return p->steps == PROCESS_DONE ? MU_DONE : MU_OK;
@@ -233,7 +233,7 @@ mu_result mu_process_spin(mu_process *p, int64_t timeout_ns)
     if (p->spins) {
         return MU_BUSY; /* the Delivery in hand would be lost */
     }
-    if (p->pid != getpid()) {
+    if (p->forks != mu_forks()) {
         return MU_FAULT_USAGE;
     }
     p->spins = true;

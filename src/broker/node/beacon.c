@@ -60,9 +60,8 @@ void beacon_hear(struct beacon *h)
     }
 }
 
-void beacon_tell(struct beacon *h, struct broker *b, struct outlets *outlets)
+void beacon_tell(struct beacon *h, struct broker *b, struct outlets *outlets, uint64_t now_ns)
 {
-    uint64_t now_ns = mu_clock_ns();
     if (!heartbeat_looks(&h->pulse, now_ns) ||
         !heartbeat_beats(&h->pulse, outlets_spoke_ns(outlets), now_ns)) {
         return;

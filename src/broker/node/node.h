@@ -134,7 +134,7 @@ void beacon_hear(struct beacon *h);
  *
  * @param bags the readers that are to hear of it
  */
-void beacon_tell(struct beacon *h, struct broker *b, struct outlets *outlets);
+void beacon_tell(struct beacon *h, struct broker *b, struct outlets *outlets, uint64_t now_ns);
 
 /** Takes the Beacon back; a broker that yields is to leave it to the other one. */
 void beacon_close(struct beacon *h);
