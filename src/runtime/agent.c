@@ -189,7 +189,7 @@ struct mu_agent *agent_find(mu_process *p, const char *name)
 
 void agent_progress(struct mu_agent *a)
 {
-    a->progress_ns = mu_clock_ns();
+    a->progress_ns = a->process->now_ns;
     queue_remove(a, QUEUE_WAIT);
     if (outbox_has_unanswered(&a->outbox)) {
         queue_add(a, QUEUE_WAIT);

@@ -69,7 +69,7 @@ void link_register(mu_process *p)
     }
     p->leaving = 0;
     p->leaving_ns = 0;
-    p->heartbeat_ns = mu_clock_ns();
+    p->heartbeat_ns = p->now_ns;
     for (uint32_t i = 0; i < p->agent_count; i++) {
         struct mu_agent *a = &p->agents[i];
         (void)life_name_on(a, NAME_ANEW);
@@ -157,10 +157,11 @@ static bool must_wait(struct link *l, const struct beacons_broker *best, const c
     return is_first && !choice_is_final(best, host, wanted) && now_ns - l->heard_ns < SETTLE_NS;
 }
 
-mu_result link_look(mu_process *p, uint64_t now_ns, bool *turned)
+mu_result link_look(mu_process *p, bool *turned)
 {
     struct link *l = &p->link;
     *turned = false;
+    uint64_t now_ns = p->now_ns;
     if (l->looked_ns && now_ns - l->looked_ns > ABSENCE_NS) {
         l->patient_until_ns = now_ns + HEARTBEAT_NS;
     }

@@ -42,7 +42,7 @@ bool link_is_ours(mu_process *p, const muster_Delivery *d);
  * @param turned  out: it went to one because of a heartbeat, so that the Delivery in hand is of an
  *                earlier broker
  */
-MU_MUST_USE mu_result link_look(mu_process *p, uint64_t now_ns, bool *turned);
+MU_MUST_USE mu_result link_look(mu_process *p, bool *turned);
 
 /** Says every agent to the broker anew; none may send before it has answered. */
 void link_register(mu_process *p);

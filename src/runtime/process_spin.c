@@ -94,9 +94,9 @@ static void run_leave(mu_process *p)
     p->step = NULL;
 }
 
-static void registrations_keep(mu_process *p, uint64_t now_ns)
+static void registrations_keep(mu_process *p)
 {
-    bool due = now_ns - p->heartbeat_ns >= HEARTBEAT_NS;
+    bool due = p->now_ns - p->heartbeat_ns >= HEARTBEAT_NS;
     if (due && process_in_lockstep(p) && bus_reader_matches(&p->sense) == 0) {
         run_leave(p);
     }
@@ -109,7 +109,7 @@ static void registrations_keep(mu_process *p, uint64_t now_ns)
     } else if (p->steps == PROCESS_READY && !process_is_ready(p)) {
         (void)process_step_on(p, STEP_UNMATCHED);
     }
-    p->heartbeat_ns = now_ns;
+    p->heartbeat_ns = p->now_ns;
     roll_refresh(p);
 }
 
@@ -139,9 +139,9 @@ void process_work(mu_process *p)
     roll_write(p);
 }
 
-static bool handle_next(mu_process *p)
+static bool handle_next(mu_process *p, uint64_t now_ns)
 {
-    p->works_ns = mu_clock_ns();
+    p->works_ns = now_ns;
     bool handled = process_handle_one(p);
     p->works_ns = 0;
     if (p->busy[0]) {
@@ -169,16 +169,19 @@ static int64_t patience_ns(mu_process *p)
 }
 
 /* How long it may wait: until something is to be looked at, or acknowledgements are due. */
-static int64_t rest_ns(mu_process *p, uint64_t now_ns)
+static int64_t rest_ns(mu_process *p)
 {
     int64_t most_ns = patience_ns(p);
-    int64_t acks_ns = process_in_lockstep(p) ? INT64_MAX : ack_delay_wait_ns(&p->ack_delay, now_ns);
+    int64_t acks_ns =
+        process_in_lockstep(p) ? INT64_MAX : ack_delay_wait_ns(&p->ack_delay, p->now_ns);
     return acks_ns < most_ns ? acks_ns : most_ns;
 }
 
 static void handle_all(mu_process *p)
 {
-    while (p->steps != PROCESS_DONE && step_retry(p) && handle_next(p)) {
+    uint64_t now_ns = p->bus.waited_ns;
+    while (p->steps != PROCESS_DONE && step_retry(p) && handle_next(p, now_ns)) {
+        now_ns = mu_clock_ns();
     }
 }
 
@@ -212,17 +215,17 @@ void process_turn(mu_process *p)
 static mu_result spin(mu_process *p, int64_t timeout_ns)
 {
     bool turned;
-    uint64_t now_ns = mu_clock_ns();
-    MU_TRY(link_look(p, now_ns, &turned));
+    p->now_ns = mu_clock_ns();
+    MU_TRY(link_look(p, &turned));
     if (turned) {
         inbox_drop(p);
     }
-    registrations_keep(p, now_ns);
+    registrations_keep(p);
     roll_write(p);
     if (!process_in_lockstep(p)) {
         step_flush(p);
     }
-    int64_t most_ns = rest_ns(p, now_ns);
+    int64_t most_ns = rest_ns(p);
     samples_await(p, timeout_ns < most_ns ? timeout_ns : most_ns);
     process_turn(p);
     return p->steps == PROCESS_DONE ? MU_DONE : MU_OK;

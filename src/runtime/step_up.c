@@ -199,8 +199,7 @@ void step_hello(mu_process *p)
 static void unanswered_again(mu_process *p)
 {
     struct mu_agent *a = queue_first(p, QUEUE_WAIT);
-    uint64_t now_ns = a ? mu_clock_ns() : 0;
-    for (; a && now_ns - a->progress_ns > RESEND_NS; a = queue_first(p, QUEUE_WAIT)) {
+    for (; a && p->now_ns - a->progress_ns > RESEND_NS; a = queue_first(p, QUEUE_WAIT)) {
         queue_remove(a, QUEUE_WAIT);
         outbox_again(&a->outbox);
         if (a->name_state == NAME_ACCEPTED) {
