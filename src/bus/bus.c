@@ -219,7 +219,7 @@ static void sample_judge(struct bus_reader *r, int32_t i, const dds_sample_info_
 static bool batch_take(struct bus_reader *r)
 {
     r->next = 0;
-    r->count = local_take(r);
+    r->count = r->bus->local_frames > 0 ? local_take(r) : 0;
     if (r->count > 0) {
         return true;
     }

@@ -79,7 +79,7 @@ void link_register(mu_process *p)
         queue_remove(a, QUEUE_SEND);
         queue_remove(a, QUEUE_ACK); /* the new broker counts from 1 */
     }
-    ack_delay_clear(&p->ack_delay, mu_clock_ns());
+    ack_delay_clear(&p->ack_delay, p->now_ns);
     roll_mark_all(p);
 }
 

@@ -190,7 +190,7 @@ struct mu_process {
     struct ack_delay ack_delay;  /* acknowledgements that wait for mail to go with */
     uint32_t leaving;            /* so many agents have begun to, and are to be seen out */
     uint64_t leaving_ns;         /* since when their last words are awaited; 0: they are not */
-    uint64_t now_ns;             /* when the last spin began */
+    uint64_t now_ns;             /* when the last spin began, or its wait was over */
     uint64_t works_ns;           /* since when the handlers of one step, or one delivery, run */
     char
         busy[MU_FIELD_MAX + 1]; /* that they have run for long, and since when; "": they have not */

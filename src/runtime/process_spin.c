@@ -179,7 +179,7 @@ static int64_t rest_ns(mu_process *p)
 
 static void handle_all(mu_process *p)
 {
-    uint64_t now_ns = p->bus.waited_ns;
+    uint64_t now_ns = p->now_ns;
     while (p->steps != PROCESS_DONE && step_retry(p) && handle_next(p, now_ns)) {
         now_ns = mu_clock_ns();
     }
@@ -227,6 +227,7 @@ static mu_result spin(mu_process *p, int64_t timeout_ns)
     }
     int64_t most_ns = rest_ns(p);
     samples_await(p, timeout_ns < most_ns ? timeout_ns : most_ns);
+    p->now_ns = p->bus.waited_ns;
     process_turn(p);
     return p->steps == PROCESS_DONE ? MU_DONE : MU_OK;
 }

@@ -68,10 +68,9 @@ static bool item_take(struct mu_agent *a, const muster_Parcel *item, uint64_t no
 static uint32_t items_mark(mu_process *p, const muster_Delivery *d)
 {
     uint32_t count = d->parcels._length < PROCESS_ITEMS ? d->parcels._length : PROCESS_ITEMS;
-    uint64_t now_ns = mu_clock_ns();
     for (uint32_t i = 0; i < count; i++) {
         const muster_Parcel *item = &d->parcels._buffer[i];
-        p->fresh[i] = item_take(agent_find(p, item->box), item, now_ns);
+        p->fresh[i] = item_take(agent_find(p, item->box), item, p->now_ns);
     }
     return count;
 }

@@ -166,7 +166,7 @@ bool step_retry(mu_process *p)
     transfers_sent(p, p->out.trips._length);
     probes_sent(p, &p->out);
     if (!queue_first(p, QUEUE_ACK)) { /* else some did not fit in, and are due with the next Up */
-        ack_delay_clear(&p->ack_delay, mu_clock_ns());
+        ack_delay_clear(&p->ack_delay, p->now_ns);
     }
     return true;
 }
@@ -213,7 +213,7 @@ static void unanswered_again(mu_process *p)
 static bool acks_are_due(const mu_process *p)
 {
     return queue_first(p, QUEUE_ACK) &&
-           (p->leaving > 0 || p->bus.wakes || ack_delay_due(&p->ack_delay, mu_clock_ns()));
+           (p->leaving > 0 || p->bus.wakes || ack_delay_due(&p->ack_delay, p->now_ns));
 }
 
 static bool is_anything_to_say(const mu_process *p)
