@@ -29,89 +29,123 @@ static size_t number_size(uint32_t op)
     return element_of(op) == DDS_OP_VAL_4BY ? 4 : 8;
 }
 
-/* A member has its type and its place.  A third word is an enum's greatest value, or where the
- * table of a struct is; a sequence of structs has their size before that. */
-static const uint32_t *ops_next(const uint32_t *ops)
+/* --- writing ---------------------------------------------------------------------------------- */
+
+/* The numbers of a struct between two members of other types take less room than that: so much is
+ * there before each. */
+enum { NUMBERS_MOST = 512 };
+
+/* Makes room for so many bytes, and the numbers behind them. */
+static inline void room_make(struct cdr_room *room, size_t at, size_t bytes)
 {
-    switch (type_of(*ops)) {
-    case DDS_OP_VAL_ENU:
-    case DDS_OP_VAL_EXT: return ops + 3;
-    case DDS_OP_VAL_SEQ: return ops + (element_of(*ops) == DDS_OP_VAL_STU ? 4 : 2);
-    default: return ops + 2;
+    if (at + bytes + NUMBERS_MOST > room->size) {
+        room->size = 2 * (at + bytes + NUMBERS_MOST);
+        room->at = dds_realloc(room->at, room->size);
     }
 }
 
-/* --- writing ---------------------------------------------------------------------------------- */
-
-/* Makes room for so many bytes behind padding, which is zero. */
-static size_t put_begin(struct cdr_room *room, size_t at, size_t to, size_t bytes)
+/* @return the next place for a member of that size; what it skips is zero */
+static inline size_t pad(const struct cdr_room *room, size_t at, size_t to)
 {
-    if (at + 16 + bytes > room->size) {
-        room->size = 2 * (at + 16 + bytes);
-        room->at = dds_realloc(room->at, room->size);
-    }
     memset(room->at + at, 0, 8);
     return aligned(at, to);
 }
 
-static size_t four_put(struct cdr_room *room, size_t at, const void *from)
+static inline size_t four_put(const struct cdr_room *room, size_t at, const void *from)
 {
-    at = put_begin(room, at, 4, 4);
+    at = pad(room, at, 4);
     memcpy(room->at + at, from, 4);
     return at + 4;
 }
 
-static size_t eight_put(struct cdr_room *room, size_t at, const void *from)
+static inline size_t eight_put(const struct cdr_room *room, size_t at, const void *from)
 {
-    at = put_begin(room, at, 8, 8);
+    at = pad(room, at, 8);
     memcpy(room->at + at, from, 8);
     return at + 8;
 }
 
-static size_t text_put(struct cdr_room *room, size_t at, const char *text)
+static inline size_t text_put(struct cdr_room *room, size_t at, const char *text)
 {
-    uint32_t len = text ? (uint32_t)strlen(text) + 1 : 1;
-    at = put_begin(room, at, 4, 4 + len);
-    memcpy(room->at + at, &len, 4);
-    memcpy(room->at + at + 4, text ? text : "", len);
-    return at + 4 + len;
+    uint32_t len = text && text[0] ? (uint32_t)strlen(text) + 1 : 1;
+    at = four_put(room, at, &len);
+    room_make(room, at, len);
+    if (len > 1) {
+        memcpy(room->at + at, text, len);
+    } else {
+        room->at[at] = '\0';
+    }
+    return at + len;
 }
 
 static size_t struct_put(struct cdr_room *room, size_t at, const char *from, const uint32_t *ops);
 
-static size_t sequence_put(struct cdr_room *room, size_t at, const dds_sequence_t *from,
-                           const uint32_t *ops)
+static size_t structs_put(struct cdr_room *room, size_t at, const dds_sequence_t *from,
+                          const uint32_t *ops)
 {
     const char *element = (const char *)from->_buffer;
     at = four_put(room, at, &from->_length);
-    if (element_of(*ops) == DDS_OP_VAL_STU) {
-        for (uint32_t i = 0; i < from->_length; i++, element += ops[2]) {
-            at = struct_put(room, at, element, ops + DDS_OP_ADR_JSR(ops[3]));
-        }
-    } else if (from->_length > 0) {
-        size_t each = number_size(*ops), bytes = each * from->_length;
-        at = put_begin(room, at, each, bytes);
-        memcpy(room->at + at, element, bytes);
+    for (uint32_t i = 0; i < from->_length; i++, element += ops[2]) {
+        at = struct_put(room, at, element, ops + DDS_OP_ADR_JSR(ops[3]));
+    }
+    return at;
+}
+
+static size_t numbers_put(struct cdr_room *room, size_t at, const dds_sequence_t *from, uint32_t op)
+{
+    at = four_put(room, at, &from->_length);
+    if (from->_length > 0) {
+        size_t each = number_size(op), bytes = each * from->_length;
+        at = pad(room, at, each);
+        room_make(room, at, bytes);
+        memcpy(room->at + at, from->_buffer, bytes);
         at += bytes;
     }
     return at;
 }
 
+/* A member has its type and its place.  A third word is an enum's greatest value, or where the
+ * table of a struct is; a sequence of structs has their size before that. */
 static size_t struct_put(struct cdr_room *room, size_t at, const char *from, const uint32_t *ops)
 {
-    for (; *ops != DDS_OP_RTS; ops = ops_next(ops)) {
+    room_make(room, at, 0);
+    while (*ops != DDS_OP_RTS) {
         const void *member = from + ops[1];
         switch (type_of(*ops)) {
-        case DDS_OP_VAL_STR: at = text_put(room, at, *(char *const *)member); break;
-        case DDS_OP_VAL_8BY: at = eight_put(room, at, member); break;
-        case DDS_OP_VAL_4BY:
-        case DDS_OP_VAL_ENU: at = four_put(room, at, member); break;
-        case DDS_OP_VAL_BLN:
-            at = put_begin(room, at, 1, 1);
-            room->at[at++] = *(const bool *)member;
+        case DDS_OP_VAL_STR:
+            at = text_put(room, at, *(char *const *)member);
+            ops += 2;
             break;
-        case DDS_OP_VAL_SEQ: at = sequence_put(room, at, member, ops); break;
-        case DDS_OP_VAL_EXT: at = struct_put(room, at, member, ops + DDS_OP_ADR_JSR(ops[2])); break;
+        case DDS_OP_VAL_8BY:
+            at = eight_put(room, at, member);
+            ops += 2;
+            break;
+        case DDS_OP_VAL_4BY:
+            at = four_put(room, at, member);
+            ops += 2;
+            break;
+        case DDS_OP_VAL_ENU:
+            at = four_put(room, at, member);
+            ops += 3;
+            break;
+        case DDS_OP_VAL_BLN:
+            room->at[at++] = *(const bool *)member;
+            ops += 2;
+            break;
+        case DDS_OP_VAL_SEQ:
+            if (element_of(*ops) == DDS_OP_VAL_STU) {
+                at = structs_put(room, at, member, ops);
+                ops += 4;
+            } else {
+                at = numbers_put(room, at, member, *ops);
+                ops += 2;
+            }
+            room_make(room, at, 0);
+            break;
+        case DDS_OP_VAL_EXT:
+            at = struct_put(room, at, member, ops + DDS_OP_ADR_JSR(ops[2]));
+            ops += 3;
+            break;
         default: MU_ASSERT(!"a type that no topic has");
         }
     }
@@ -184,7 +218,11 @@ static bool text_take(struct reading *r, char **to)
     if (!*to || (len > 1 && strlen(*to) + 1 < len)) {
         *to = dds_realloc(*to, len);
     }
-    memcpy(*to, text, len);
+    if (len > 1) {
+        memcpy(*to, text, len);
+    } else {
+        **to = '\0';
+    }
     return true;
 }
 
@@ -241,16 +279,37 @@ static bool sequence_take(struct reading *r, dds_sequence_t *to, const uint32_t 
 static bool struct_take(struct reading *r, char *to, const uint32_t *ops)
 {
     bool whole = true;
-    for (; whole && *ops != DDS_OP_RTS; ops = ops_next(ops)) {
+    while (whole && *ops != DDS_OP_RTS) {
         void *member = to + ops[1];
         switch (type_of(*ops)) {
-        case DDS_OP_VAL_STR: whole = text_take(r, member); break;
-        case DDS_OP_VAL_8BY: whole = eight_take(r, member); break;
-        case DDS_OP_VAL_4BY: whole = four_take(r, member); break;
-        case DDS_OP_VAL_ENU: whole = word_take(r, member, ops[2]); break;
-        case DDS_OP_VAL_BLN: whole = truth_take(r, member); break;
-        case DDS_OP_VAL_SEQ: whole = sequence_take(r, member, ops); break;
-        case DDS_OP_VAL_EXT: whole = struct_take(r, member, ops + DDS_OP_ADR_JSR(ops[2])); break;
+        case DDS_OP_VAL_STR:
+            whole = text_take(r, member);
+            ops += 2;
+            break;
+        case DDS_OP_VAL_8BY:
+            whole = eight_take(r, member);
+            ops += 2;
+            break;
+        case DDS_OP_VAL_4BY:
+            whole = four_take(r, member);
+            ops += 2;
+            break;
+        case DDS_OP_VAL_ENU:
+            whole = word_take(r, member, ops[2]);
+            ops += 3;
+            break;
+        case DDS_OP_VAL_BLN:
+            whole = truth_take(r, member);
+            ops += 2;
+            break;
+        case DDS_OP_VAL_SEQ:
+            whole = sequence_take(r, member, ops);
+            ops += element_of(*ops) == DDS_OP_VAL_STU ? 4 : 2;
+            break;
+        case DDS_OP_VAL_EXT:
+            whole = struct_take(r, member, ops + DDS_OP_ADR_JSR(ops[2]));
+            ops += 3;
+            break;
         default: MU_ASSERT(!"a type that no topic has");
         }
     }

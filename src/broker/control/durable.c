@@ -78,6 +78,7 @@ static void marks_clear(struct broker *b)
     for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
         b->snapshots.snapshots[i].unsaved = false;
     }
+    b->snapshots.unsaved = false;
     j->run_wall_ns = journal_run_wall_ns(b);
 }
 

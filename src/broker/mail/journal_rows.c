@@ -11,13 +11,11 @@ uint64_t journal_run_wall_ns(const struct broker *b)
 static bool something_is_marked(struct broker *b)
 {
     const struct journal *j = &b->journal;
-    bool marked = j->mails.first || j->agents_count || j->run_wall_ns != journal_run_wall_ns(b);
+    bool marked = j->mails.first || j->agents_count || b->snapshots.unsaved ||
+                  j->run_wall_ns != journal_run_wall_ns(b);
     for (int i = 0; i < LINES_KINDS; i++) {
         const struct changelog *c = &journal_table(b, (enum lines_kind)i)->changes;
         marked = marked || c->version > j->lines[i].saved || c->gone.count || j->lines[i].reset;
-    }
-    for (uint32_t i = 0; i < MU_CAPSULES_MAX; i++) {
-        marked = marked || b->snapshots.snapshots[i].unsaved;
     }
     return marked;
 }

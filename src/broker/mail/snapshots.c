@@ -139,6 +139,7 @@ void snapshots_drop(struct broker *b, struct snapshot *c)
     b->snapshots.count--;
     c->phase = SNAPSHOT_FREE;
     c->unsaved = b->journal.on && c->agent != MU_NONE; /* its line on disk goes */
+    b->snapshots.unsaved |= c->unsaved;
 }
 
 /* @return a place for a snapshot of that agent, first that of an older one whose line on disk is to
@@ -177,6 +178,7 @@ struct snapshot *snapshots_add(struct broker *b, uint32_t agent, const char *nam
                            .unsaved = b->journal.on && agent != MU_NONE};
     (void)mu_text_copy(c->name, sizeof c->name, name);
     memcpy(b->snapshots.texts[c - b->snapshots.snapshots], text, strlen(text) + 1);
+    b->snapshots.unsaved |= c->unsaved;
     b->snapshots.count++;
     b->snapshots.kept++;
     return c;

@@ -66,6 +66,7 @@ struct snapshots {
     struct snapshot snapshots[MU_CAPSULES_MAX];
     char (*texts)[MU_CAPSULE_MAX];              /* of each: snapshot header and snapshot */
     uint32_t count, holding;                    /* snapshots; those that the step waits for */
+    bool unsaved;                               /* one of the places is */
     struct snapshot_word words[SNAPSHOT_WORDS]; /* in order */
     uint32_t words_count;
     uint32_t open;                                 /* the word that broker_next has in hand */
