@@ -181,7 +181,8 @@ struct mu_process {
     struct members members;
     struct directory directory;
     uint64_t broker_incarnation; /* 0: none has answered yet */
-    uint64_t heartbeat_ns;       /* when the last registrations went out */
+    uint64_t heartbeat_ns;       /* when the last registrations went out, */
+    uint64_t said_ns;            /* and the last Up */
     int64_t lockstep_step;       /* the newest one of this lock step, or of the last one */
     const muster_Sense *step;    /* a step that waits for its mail */
     void *step_kept;             /* its sample, for the reader when the next one comes */

@@ -11,6 +11,9 @@
  * broker that its writer lives. */
 static const uint64_t HEARTBEAT_NS = 300000000;
 
+/* And so often while it speaks to its broker. */
+static const uint64_t HEARTBEAT_SPEAKING_NS = 1000000000;
+
 /* While something has not matched yet, or the network is busy, look again this often. */
 static const int64_t IMPATIENT_NS = 2000000;
 
@@ -96,7 +99,8 @@ static void run_leave(mu_process *p)
 
 static void registrations_keep(mu_process *p)
 {
-    bool due = p->now_ns - p->heartbeat_ns >= HEARTBEAT_NS;
+    bool speaks = p->now_ns - p->said_ns < HEARTBEAT_NS;
+    bool due = p->now_ns - p->heartbeat_ns >= (speaks ? HEARTBEAT_SPEAKING_NS : HEARTBEAT_NS);
     if (due && process_in_lockstep(p) && bus_reader_matches(&p->sense) == 0) {
         run_leave(p);
     }

@@ -153,6 +153,7 @@ bool step_retry(mu_process *p)
         return false;
     }
     process_up_on(p, UP_WRITTEN);
+    p->said_ns = p->now_ns;
     for (uint32_t i = 0; i < p->out.acts._length; i++) {
         act_sent(p->out_agents[i], p->acts[i].mails._length, p->out.step != muster_STEP_NOW);
     }
