@@ -106,17 +106,18 @@ static void sizes_write(struct mu_text *xml, const char *interface)
 
 /* How often a process says to its peers that it is there (SPDP). On one host members call on the
  * hubs when they start, and hubs on all processes when they do; what they say later, which wakes
- * each hearer, is for packets that were lost.  A hub on another host does
- * not call, and is found by asking: with the default of 30 s that took 8 s. */
+ * each hearer, is for packets that were lost.  A hub's are 120, at once.  A hub on another host
+ * does not call, and is found by asking: with the default of 30 s that took 8 s. */
 static const char *presence_interval(const struct bus_options *options)
 {
+    const char *of_hub = config_is_loopback(options->interface) && !options->hub ? "8s" : "2s";
     if (options->place == BUS_BROKER) {
-        return "2s";
+        return of_hub;
     }
     if (options->hub || options->place == BUS_OBSERVER) {
         return "200ms";
     }
-    return is_hub(options) ? "2s" : "1s";
+    return is_hub(options) ? of_hub : "1s";
 }
 
 /* When a writer asks its readers what they have, while they have not said it.

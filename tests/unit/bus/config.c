@@ -213,9 +213,9 @@ static void test_intervals(void)
                  {BUS_AGENT, "10.0.0.7", NULL, "1s", "\"20ms\">20ms"},
                  {BUS_AGENT, NULL, "far.example", "200ms", "\"20ms\">20ms"},
                  {BUS_OBSERVER, NULL, NULL, "200ms", "\"20ms\">20ms"},
-                 {BUS_SIMULATOR, NULL, NULL, "2s", "\"20ms\">20ms"},
+                 {BUS_SIMULATOR, NULL, NULL, "8s", "\"20ms\">20ms"},
                  {BUS_SIMULATOR, NULL, "far.example", "200ms", "\"20ms\">20ms"},
-                 {BUS_BROKER, NULL, NULL, "2s", "\"50ms\">10ms"},
+                 {BUS_BROKER, NULL, NULL, "8s", "\"50ms\">10ms"},
                  {BUS_BROKER, NULL, "far.example", "2s", "\"50ms\">10ms"},
                  {BUS_BROKER, "10.0.0.7", NULL, "2s", "\"20ms\">10ms"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
