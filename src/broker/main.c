@@ -207,8 +207,7 @@ static const int64_t OUTSIDE_PATIENCE_NS = 2000000;
 
 static int64_t wait_ns(const struct node *p, bool impatient)
 {
-    uint64_t now_ns = post_now(p);
-    uint64_t due_ns = broker_deadline_ns(p->own.broker);
+    uint64_t now_ns = post_now(p), due_ns = broker_deadline_ns(p->own.broker);
     uint64_t most_ns = impatient || p->roster ? (uint64_t)IMPATIENT_NS : LOOK_NS;
     uint64_t until_ns = due_ns > now_ns ? due_ns - now_ns : 0;
     return (int64_t)(until_ns < most_ns ? until_ns : most_ns);
@@ -249,10 +248,9 @@ static void post_round(struct node *p)
         outlets_follow(&p->outlets);
         p->unmatched = outlets_look(&p->outlets, p->simulator, look, run_ns);
     }
-    bool impatient = p->unmatched;
     broker_tick(p->own.broker, post_now(p));
     store_write(p);
-    impatient = !links_tell(&p->peers, p->own.broker) || impatient;
+    bool impatient = !links_tell(&p->peers, p->own.broker) || p->unmatched;
     impatient = !deliveries_write(p) || impatient;
     pages_publish(p);
     alerts_tell(p);
