@@ -258,20 +258,26 @@ static bool structs_take(struct reading *r, dds_sequence_t *to, uint32_t count, 
     return true;
 }
 
-static bool sequence_take(struct reading *r, dds_sequence_t *to, const uint32_t *ops)
+static bool numbers_take(struct reading *r, dds_sequence_t *to, uint32_t count, uint32_t op)
+{
+    size_t each = number_size(op);
+    const char *from = take(r, each, each * count);
+    if (!from || !sequence_room(to, count, each)) {
+        return false;
+    }
+    memcpy(to->_buffer, from, each * count);
+    return true;
+}
+
+static inline bool sequence_take(struct reading *r, dds_sequence_t *to, const uint32_t *ops)
 {
     uint32_t count;
-    bool whole = four_take(r, &count);
-    if (whole && count > 0 && element_of(*ops) == DDS_OP_VAL_STU) {
-        whole = structs_take(r, to, count, ops);
-    } else if (whole && count > 0) {
-        size_t each = number_size(*ops);
-        const char *from = take(r, each, each * count);
-        whole = from && sequence_room(to, count, each);
-        if (whole) {
-            memcpy(to->_buffer, from, each * count);
-        }
+    if (!four_take(r, &count)) {
+        return false;
     }
+    bool is_structs = element_of(*ops) == DDS_OP_VAL_STU;
+    bool whole = count == 0 ||
+                 (is_structs ? structs_take(r, to, count, ops) : numbers_take(r, to, count, *ops));
     to->_length = whole ? count : 0;
     return whole;
 }
