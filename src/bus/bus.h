@@ -114,8 +114,9 @@ struct bus_reader {
     enum bus_topic topic;
     int32_t reader;
     struct local_door *door;                /* NULL: DDS alone */
-    _Atomic uint64_t arrived;               /* as in struct bus, of this reader */
-    uint64_t taken, looked_ns;              /* when it was last asked for samples */
+    _Atomic uint64_t arrived;               /* as in struct bus, of this reader, */
+    uint64_t taken;                         /* likewise */
+    uint64_t looked_ns;                     /* when it was last asked for samples */
     _Atomic uint32_t writers, writers_ever; /* that DDS has matched, now and ever */
     uint32_t met;                           /* of them, that were looked at (bus_reader_meets) */
     uint32_t strangers;

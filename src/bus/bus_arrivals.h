@@ -3,8 +3,7 @@
  * @file bus_arrivals.h
  * How many samples lie in the readers, and the thread that sleeps until there is one.
  *
- * Threads of DDS count; the thread that has the bus takes, and reads the
- * sockets (local.h).
+ * Threads of DDS count; the thread that has the bus takes, and reads the sockets (local.h).
  */
 #ifndef MUSTER_BUS_BUS_ARRIVALS_H
 #define MUSTER_BUS_BUS_ARRIVALS_H

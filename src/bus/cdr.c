@@ -229,6 +229,9 @@ static bool text_take(struct reading *r, char **to)
 /* As DDS does it: what a sequence had before it keeps, for the next one to use. */
 static bool sequence_room(dds_sequence_t *to, uint32_t count, size_t each)
 {
+    if (count > SIZE_MAX / each) {
+        return false;
+    }
     if (to->_length > to->_maximum) {
         to->_maximum = to->_length;
     }
@@ -261,7 +264,7 @@ static bool structs_take(struct reading *r, dds_sequence_t *to, uint32_t count, 
 static bool numbers_take(struct reading *r, dds_sequence_t *to, uint32_t count, uint32_t op)
 {
     size_t each = number_size(op);
-    const char *from = take(r, each, each * count);
+    const char *from = count <= r->size / each ? take(r, each, each * count) : NULL;
     if (!from || !sequence_room(to, count, each)) {
         return false;
     }
