@@ -144,6 +144,14 @@ class Here:
             yield Broker(None, f"{DIRECT_DOMAIN}:{crowd}", "peer_dds", folder)
 
     @contextlib.contextmanager
+    def star(self):
+        """No broker, DDS alone: everybody is matched with one hub."""
+        with self.folder_fresh() as folder:
+            hub = Broker(None, DIRECT_DOMAIN, "peer_dds", folder)
+            with hub.beside("deaf", "hub", says=True):
+                yield hub
+
+    @contextlib.contextmanager
     def ours(self, *options):
         with self.folder_fresh() as folder:
             store = ["--store", folder / "mail.db"] if self.broker_has("--store") else []

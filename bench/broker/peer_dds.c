@@ -3,6 +3,9 @@
  * No broker at all: one writes and a crowd reads, with the type, the quality of service and the
  * configuration that mail has, which is the least that a broadcast over DDS can take.  WHERE is
  * DOMAIN:CROWD.
+ *
+ * Or the least that a star over DDS can take, where WHERE is DOMAIN alone: a hub that everybody is
+ * matched with both ways, who is ready then.
  */
 #include "peer.h"
 
@@ -16,6 +19,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define HUB "hub"
+
 static const uint64_t PATIENCE_NS = 10000000000;
 
 static struct {
@@ -26,14 +31,23 @@ static struct {
     uint64_t sent;
 } peer;
 
-static void writer_open(uint32_t readers)
+static void reader_open(const char *partition)
+{
+    if (bus_reader_open(&peer.bus, BUS_UP, partition, &peer.reader) != MU_OK) {
+        load_die("no reader");
+    }
+}
+
+/* Returns when it has found so many readers, and its own reader a writer, if there is to be one. */
+static void writer_open(const char *partition, uint32_t readers, bool is_heard)
 {
     uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
-    if (bus_writer_open(&peer.bus, BUS_UP, BUS_TO_ALL, NULL, &peer.writer) != MU_OK) {
+    if (bus_writer_open(&peer.bus, BUS_UP, partition, NULL, &peer.writer) != MU_OK) {
         load_die("no writer");
     }
-    while (bus_writer_matches(&peer.writer) < readers) {
-        bus_wait(&peer.bus, 0, 10000000);
+    while (bus_writer_matches(&peer.writer) < readers ||
+           (is_heard && bus_reader_matches(&peer.reader) == 0)) {
+        bus_wait(&peer.bus, 0, 1000000);
         if (mu_clock_ns() > until_ns) {
             load_die("%u of %u are there", bus_writer_matches(&peer.writer), readers);
         }
@@ -44,17 +58,23 @@ void peer_open(const struct peer_options *options)
 {
     char *crowd;
     bool writes = strncmp(options->name, "sender", strlen("sender")) == 0;
+    bool is_hub = strcmp(options->name, HUB) == 0;
     struct bus_options bus = {.domain = (int)strtol(options->where, &crowd, 10),
-                              .place = writes ? BUS_BROKER : BUS_AGENT,
+                              .place = writes || is_hub ? BUS_BROKER : BUS_AGENT,
                               .name = options->name};
+    bool is_star = *crowd != ':';
+    bus.local = is_star ? "off" : NULL;
     peer.on_mail = options->on_mail;
     if (bus_open(&peer.bus, &bus) != MU_OK) {
         load_die("cannot join domain %s", options->where);
     }
     if (writes) {
-        writer_open(*crowd == ':' ? (uint32_t)strtoul(crowd + 1, NULL, 10) : 1);
-    } else if (bus_reader_open(&peer.bus, BUS_UP, BUS_TO_ALL, &peer.reader) != MU_OK) {
-        load_die("no reader");
+        writer_open(BUS_TO_ALL, (uint32_t)strtoul(crowd + 1, NULL, 10), false);
+    } else {
+        reader_open(is_hub ? HUB : BUS_TO_ALL);
+    }
+    if (is_star) {
+        writer_open(is_hub ? BUS_TO_ALL : HUB, is_hub ? 0 : 1, !is_hub);
     }
 }
 
