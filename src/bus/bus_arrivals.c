@@ -40,14 +40,15 @@ void bus_arrivals_close(struct bus *bus)
 /* --- counting --------------------------------------------------------------------------------- */
 
 /* Each side writes first and then reads what the other one has written: either the listener sees
- * what is wanted, or the thread that waits sees what has come. */
+ * what is wanted, or the thread that waits sees what has come.  The bus counts before the reader:
+ * never are more taken than have arrived. */
 void bus_arrivals_note(int32_t entity, void *reader)
 {
     (void)entity;
     struct bus_reader *r = reader;
     struct bus *bus = r->bus;
-    atomic_fetch_add(&r->arrived, 1);
     uint64_t there = atomic_fetch_add(&bus->arrived, 1) + 1 - atomic_load(&bus->taken);
+    atomic_fetch_add(&r->arrived, 1);
     uint64_t wanted = atomic_load(&bus->wanted);
     bool enough =
         wanted > 0 && there >= wanted &&
