@@ -3,6 +3,7 @@
 
 #include "bus/bus_arrivals.h"
 #include "bus/bus_fault.h"
+#include "bus/frame.h"
 #include "bus/local.h"
 #include "bus/topics.h"
 #include "core/clock.h"
@@ -95,7 +96,7 @@ mu_result bus_reader_open_deep(struct bus *bus, enum bus_topic topic, const char
 mu_result bus_writer_open(struct bus *bus, enum bus_topic topic, const char *first,
                           const char *second, struct bus_writer *writer)
 {
-    *writer = (struct bus_writer){.bus = bus};
+    *writer = (struct bus_writer){.bus = bus, .topic = topic};
     dds_entity_t about = topic_open(bus, topic, first);
     if (about < 0) {
         return bus_fault(topic_table[topic].name, about);
@@ -142,19 +143,23 @@ static mu_result written(dds_return_t code)
 
 mu_result bus_write(const struct bus_writer *writer, const void *sample)
 {
+    const struct topic *topic = &topic_table[writer->topic];
     struct local_writer *local = writer->local;
-    if (!local) {
+    if (!topic->local) {
         return written(dds_write(writer->writer, sample));
     }
-    if (!local_has_room(local)) {
+    if (local && !local_has_room(local)) {
         return MU_BUSY;
     }
+    struct cdr_room *room = &writer->bus->room;
+    size_t end = frame_put(room, sample, topic->descriptor->m_ops);
     mu_result result = MU_OK;
-    if (local_needs_dds(local)) {
-        result = written(dds_write_ts(writer->writer, sample, local_stamp(local)));
+    if (!local || local_needs_dds(local)) {
+        dds_time_t now = local ? local_stamp(local) : dds_time();
+        result = written(frame_write(writer->writer, room->at, end, now));
     }
-    if (result == MU_OK) {
-        local_write(local, sample);
+    if (local && result == MU_OK) {
+        local_write(local, room->at);
     }
     return result;
 }

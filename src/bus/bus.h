@@ -97,12 +97,13 @@ struct bus {
     struct local_source *later;  /* the socket that has brought the last sample; NULL: none */
     struct local_door *doors;    /* all readers with sockets */
     struct local_writer *locals; /* all writers with sockets */
-    struct cdr_room room;        /* where a sample for them is put together */
+    struct cdr_room room;        /* where a sample of such a topic is put together */
     _Atomic uint32_t matches;    /* how often DDS has matched or missed a reader of theirs */
 };
 
 struct bus_writer {
     struct bus *bus;
+    enum bus_topic topic;
     int32_t writer;
     int32_t publisher;
     struct local_writer *local; /* NULL: DDS alone */

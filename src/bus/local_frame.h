@@ -16,9 +16,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-/* Samples begin at multiples of the size of what stands before them. */
-enum { LOCAL_HEAD = 8 };
-
 #define LOCAL_HELLO_MARK UINT64_C(0x316f6c6c6568756d) /* "muhello1" */
 
 /* The first bytes of a writer.  The second part follows when it has the answer: only then all that

@@ -2,6 +2,7 @@
 #include "bus/local.h"
 
 #include "bus/cdr.h"
+#include "bus/frame.h"
 #include "bus/local_frame.h"
 #include "bus/local_token.h"
 #include "bus/topics.h"
@@ -218,9 +219,9 @@ static void input_end(struct local_input *in)
 /* @return whether it may go on: whole samples are counted, and none is no sample */
 static bool frames_count(struct local_input *in)
 {
-    while (in->tail - in->counted >= LOCAL_HEAD) {
+    while (in->tail - in->counted >= FRAME_HEAD) {
         size_t size = frame_size(in, in->counted);
-        if (size < LOCAL_HEAD || size % LOCAL_HEAD != 0) {
+        if (size < FRAME_HEAD || size % FRAME_HEAD != 0) {
             in->bus->malformed++;
             return false;
         }
@@ -327,7 +328,7 @@ static bool frame_decode(struct local_input *in, void *sample)
 {
     const uint32_t *ops = topic_table[in->reader->topic].descriptor->m_ops;
     const char *frame = in->data + in->head;
-    bool whole = cdr_take(sample, frame + LOCAL_HEAD, frame_size(in, in->head) - LOCAL_HEAD, ops);
+    bool whole = cdr_take(sample, frame + FRAME_HEAD, frame_size(in, in->head) - FRAME_HEAD, ops);
     in->bus->malformed += !whole;
     frame_drop(in);
     return whole;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "bus/local.h"
 
-#include "bus/cdr.h"
 #include "bus/local_frame.h"
 #include "bus/local_token.h"
 #include "bus/topics.h"
@@ -341,25 +340,13 @@ bool local_needs_dds(const struct local_writer *o)
     return needs;
 }
 
-/* @return the size of the sample as it goes by all sockets, in a room of the bus's */
-static size_t frame_make(const struct local_writer *o, const void *sample)
+void local_write(struct local_writer *o, const char *frame)
 {
-    struct cdr_room *room = &o->bus->room;
-    size_t end = cdr_put(room, LOCAL_HEAD, sample, topic_table[o->topic].descriptor->m_ops);
-    uint32_t size = (uint32_t)(end + LOCAL_HEAD - 1) / LOCAL_HEAD * LOCAL_HEAD;
-    memset(room->at + end, 0, size - end);
-    memset(room->at, 0, LOCAL_HEAD);
-    memcpy(room->at, &size, sizeof size);
-    return size;
-}
-
-void local_write(struct local_writer *o, const void *sample)
-{
-    size_t size = 0;
+    uint32_t size;
+    memcpy(&size, frame, sizeof size);
     for (struct local_pair *p = o->pairs; p; p = p->next) {
         if (p->state == PAIR_OPEN) {
-            size = size > 0 ? size : frame_make(o, sample);
-            pair_write(p, o->bus->room.at, size);
+            pair_write(p, frame, size);
         }
     }
 }

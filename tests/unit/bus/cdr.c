@@ -3,6 +3,8 @@
  * bytes that DDS refuses are refused. */
 #include "bus/cdr.h"
 
+#include "bus/bus.h"
+#include "bus/frame.h"
 #include "bus/topics.h"
 #include "core/random.h"
 #include "suite.h"
@@ -11,9 +13,11 @@
 #include <CUnit/Basic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define asm __asm__ /* a word of Cyclone's headers that is none of standard C */
 #include <dds/ddsi/ddsi_cdrstream.h>
+#include <dds/ddsi/ddsi_serdata.h>
 
 enum { ROUNDS = 400, TEXT_MAX = 40, ELEMENTS = 5, XCDR1 = 1 };
 
@@ -207,6 +211,62 @@ static void test_a_count_takes_no_memory(void)
     dds_sample_free(&taken, &muster_Up_desc, DDS_FREE_CONTENTS);
 }
 
+/* --- written by DDS --------------------------------------------------------------------------- */
+
+/* @return the payload of the only sample that is there; the caller frees it */
+static char *payload_take(int32_t reader, uint32_t *size)
+{
+    struct ddsi_serdata *data;
+    dds_sample_info_t info;
+    CU_ASSERT_EQUAL_FATAL(dds_takecdr(reader, &data, 1, &info, DDS_ANY_STATE), 1);
+    *size = ddsi_serdata_size(data);
+    char *payload = malloc(*size);
+    ddsi_serdata_to_ser(data, 0, *size, payload);
+    ddsi_serdata_unref(data);
+    return payload;
+}
+
+static void samples_are_written_alike(const struct bus_reader *r, const struct bus_writer *w)
+{
+    const dds_topic_descriptor_t *d = topic_table[r->topic].descriptor;
+    for (int i = 0; i < ROUNDS; i++) {
+        void *sample = some_sample(d);
+        uint32_t mine_size, theirs_size;
+        CU_ASSERT_EQUAL_FATAL(dds_write(w->writer, sample), DDS_RETCODE_OK);
+        char *theirs = payload_take(r->reader, &theirs_size);
+        size_t at = frame_put(&room, sample, d->m_ops);
+        CU_ASSERT_EQUAL_FATAL(frame_write(w->writer, room.at, at, dds_time()), DDS_RETCODE_OK);
+        char *mine = payload_take(r->reader, &mine_size);
+        CU_ASSERT_EQUAL_FATAL(mine_size, theirs_size);
+        CU_ASSERT_EQUAL(memcmp(mine, theirs, mine_size), 0);
+        free(mine);
+        free(theirs);
+        dds_sample_free(sample, d, DDS_FREE_ALL);
+    }
+}
+
+static void test_dds_writes_a_frame_as_it_writes_the_sample(void)
+{
+    static struct bus bus;
+    static struct bus_reader reader;
+    const struct bus_options options = {
+        .domain = 100 + (int)(getpid() % 100), .place = BUS_AGENT, .name = "cdr"};
+    CU_ASSERT_EQUAL_FATAL(bus_open(&bus, &options), MU_OK);
+    for (int topic = 0; topic < BUS_TOPICS; topic++) {
+        struct bus_writer writer;
+        if (topic_table[topic].local) {
+            CU_ASSERT_EQUAL_FATAL(bus_reader_open(&bus, (enum bus_topic)topic, "a", &reader),
+                                  MU_OK);
+            CU_ASSERT_EQUAL_FATAL(bus_writer_open(&bus, (enum bus_topic)topic, "a", NULL, &writer),
+                                  MU_OK);
+            samples_are_written_alike(&reader, &writer);
+            bus_writer_close(&writer);
+            bus_reader_close(&reader);
+        }
+    }
+    bus_close(&bus);
+}
+
 static int end(void)
 {
     dds_free(room.at);
@@ -219,6 +279,8 @@ int main(void)
     CU_TestInfo all[] = {
         {"bytes are those of DDS, both ways", test_bytes_are_those_of_dds},
         {"what DDS refuses is refused", test_what_dds_refuses_is_refused},
+        {"DDS writes a frame as it writes the sample",
+         test_dds_writes_a_frame_as_it_writes_the_sample},
         {"a count takes no memory", test_a_count_takes_no_memory},
         CU_TEST_INFO_NULL,
     };
