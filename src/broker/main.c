@@ -245,7 +245,7 @@ static void post_round(struct node *p)
     p->unmatched = post_take(p, run_ns) || p->unmatched;
     bool look = now_ns - p->looked_ns >= LOOK_NS;
     if (look || p->unmatched) {
-        outlets_follow(&p->outlets);
+        outlets_follow(&p->outlets, run_ns);
         p->unmatched = outlets_look(&p->outlets, p->simulator, look, run_ns);
     }
     broker_tick(p->own.broker, post_now(p));

@@ -116,15 +116,6 @@ void broker_matched(struct broker *b, const char *process, bool matched, uint64_
     processes_tidy(&b->processes, place);
 }
 
-void broker_read_anew(struct broker *b, const char *process)
-{
-    uint32_t place = processes_find(&b->processes, process);
-    if (place != MU_NONE && b->processes.at[place].kind == PROCESS_BROKER &&
-        processes_is_matched(&b->processes.at[place])) {
-        lifecycle_tell_again(b, place);
-    }
-}
-
 void broker_hears(struct broker *b, const char *process)
 {
     uint32_t place = processes_find(&b->processes, process);

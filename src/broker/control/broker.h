@@ -52,10 +52,6 @@ void broker_gone(struct broker *b, const char *process, uint32_t part, bool cras
  */
 void broker_matched(struct broker *b, const char *process, bool matched, uint64_t now_ns);
 
-/** One more reader has what goes to a process; if that is a broker, another life of it: what it
- * knows of boxes, groups and services is said once more, and what it has not acknowledged. */
-void broker_read_anew(struct broker *b, const char *process);
-
 /** A process that has matched reads multicasts, too: Deliveries to many, in partition BUS_TO_ALL.
  */
 void broker_hears(struct broker *b, const char *process);

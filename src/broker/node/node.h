@@ -18,8 +18,9 @@
 struct outlet {
     char process[MU_PROCESS_MAX + 1]; /* "": it is closed */
     struct bus_writer writer;
-    uint32_t hearers; /* how many hear multicasts, when it was last asked whether it does */
-    uint32_t readers; /* it has ever had */
+    uint64_t incarnation; /* of the process */
+    uint32_t hearers;     /* how many hear multicasts, when it was last asked whether it does */
+    uint32_t readers;     /* it has ever had */
     uint32_t readers_now;
     uint64_t heard_ns; /* when its last Up came, by the machine's clock; 0: none has */
 };
@@ -51,8 +52,9 @@ struct outlet *outlets_find(struct outlets *m, const char *process);
  *          is none */
 uint64_t outlets_spoke_ns(struct outlets *m);
 
-/** Closes the bags of processes that are gone for good, and opens one for every new process. */
-void outlets_follow(struct outlets *m);
+/** Closes the bags of processes that are gone for good, and opens one for every new process, and
+ * every new life of one. */
+void outlets_follow(struct outlets *m, uint64_t now_ns);
 
 /**
  * Tells the broker which processes have matched, or have not any more.

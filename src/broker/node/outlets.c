@@ -17,7 +17,9 @@ static struct outlet *outlet_of(struct outlets *m, uint32_t place)
 {
     const struct process *at = &m->broker->processes.at[place];
     struct outlet *outlet = &m->at[place];
-    return at->session != SESSION_FREE && strcmp(outlet->process, at->name) == 0 ? outlet : NULL;
+    bool is_its = at->session != SESSION_FREE && strcmp(outlet->process, at->name) == 0 &&
+                  outlet->incarnation == at->incarnation;
+    return is_its ? outlet : NULL;
 }
 
 struct outlet *outlets_find(struct outlets *m, const char *process)
@@ -44,25 +46,28 @@ uint64_t outlets_spoke_ns(struct outlets *m)
 
 /* --- opening and closing ---------------------------------------------------------------------- */
 
-static void outlet_open(struct outlets *m, struct outlet *outlet, const char *process)
+static void outlet_open(struct outlets *m, struct outlet *outlet, const struct process *at)
 {
-    *outlet = (struct outlet){0};
-    if (bus_writer_open(m->bus, BUS_DELIVERY, process, NULL, &outlet->writer) == MU_OK) {
-        mu_text_copy(outlet->process, sizeof outlet->process, process);
+    *outlet = (struct outlet){.incarnation = at->incarnation};
+    if (bus_writer_open(m->bus, BUS_DELIVERY, at->name, NULL, &outlet->writer) == MU_OK) {
+        mu_text_copy(outlet->process, sizeof outlet->process, at->name);
     }
 }
 
-void outlets_follow(struct outlets *m)
+/* Another life of a process gets a writer of its own: until DDS misses the reader of the one before
+ * it keeps all that is written for it, and what went out before it was heard is lost. */
+void outlets_follow(struct outlets *m, uint64_t now_ns)
 {
     for (uint32_t i = 0; i < m->broker->processes.top; i++) {
         const struct process *at = &m->broker->processes.at[i];
         struct outlet *outlet = &m->at[i];
         if (outlet->process[0] != '\0' && !outlet_of(m, i)) {
             bus_writer_close(&outlet->writer);
+            broker_matched(m->broker, outlet->process, false, now_ns);
             outlet->process[0] = '\0';
         }
         if (outlet->process[0] == '\0' && at->session != SESSION_FREE) {
-            outlet_open(m, outlet, at->name);
+            outlet_open(m, outlet, at);
         }
     }
 }
@@ -101,16 +106,6 @@ static void outlet_listen(struct outlets *m, struct outlet *outlet, const struct
     }
 }
 
-/* Another life of a neighbour reads what was for the one before, whose reader DDS may still take
- * for alive: what went out before it was found is lost. */
-static void outlet_count_readers(struct outlet *outlet, uint32_t readers, struct broker *b)
-{
-    if (outlet->readers > 0 && readers > outlet->readers) {
-        broker_read_anew(b, outlet->process);
-    }
-    outlet->readers = readers;
-}
-
 /* To ask DDS for the readers costs much more than to ask how many.  @return whether none has
  * come or gone since they were looked at, and nothing is missing */
 static bool outlet_rests(const struct outlet *outlet, const struct process *at)
@@ -141,7 +136,7 @@ bool outlets_look(struct outlets *m, const char *mute, bool all, uint64_t now_ns
             broker_matched(b, outlet->process, stands, now_ns);
         }
         outlet_listen(m, outlet, at);
-        outlet_count_readers(outlet, readers, b);
+        outlet->readers = readers;
         some_missing = some_missing || !stands;
     }
     return some_missing;
