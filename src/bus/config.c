@@ -120,12 +120,24 @@ static const char *presence_interval(const struct bus_options *options)
     return is_hub(options) ? of_hub : "1s";
 }
 
+/* How much of what its readers have not acknowledged a writer keeps: beyond that it writes nothing.
+ *
+ * A broker keeps so much for each process, for it asks at half of that one that never pauses
+ * (heartbeat_write): with 2 MB it had 130 MB for fifty busy pairs, and has 23 MB with 64 kB.  On
+ * loopback that slows floods alone, to half; a network has more under way.
+ *
+ * A process may write more to a broker that was killed, until DDS misses it 10 s later. */
+static const char *unacknowledged(const struct bus_options *options)
+{
+    const char *of_broker = config_is_loopback(options->interface) ? "64kB" : "512kB";
+    return options->place == BUS_BROKER ? of_broker : "8MB";
+}
+
 /* When a writer asks its readers what they have, while they have not said it.
  *
  * With the sample behind a pause of four fifths of the interval; for want of one when half of the
- * watermark lies there. A broker that asked behind 40 ms alone kept 14 MB for each process that
- * got 25 mails a second. Behind 8 ms it costs nothing; behind 4 ms fifty pairs had 0.8 of their
- * rate.
+ * watermark lies there, and once in the shortest interval at most.  Behind 8 ms it costs nothing;
+ * behind 4 ms fifty pairs had 0.8 of their rate.
  *
  * Otherwise, as at the end or of a reader that is new, once in so long as minsched says. A broker
  * asks all readers, each time that a new one has not answered yet: of a hundred that start together
@@ -135,7 +147,8 @@ static void heartbeat_write(struct mu_text *xml, const struct bus_options *optio
                             const char *interface)
 {
     bool is_broker = options->place == BUS_BROKER;
-    mu_text_format(xml, "<HeartbeatInterval min=\"20ms\" minsched=\"%s\">%s</HeartbeatInterval>",
+    mu_text_format(xml, "<HeartbeatInterval min=\"%s\" minsched=\"%s\">%s</HeartbeatInterval>",
+                   is_broker ? "5ms" : "20ms",
                    is_broker && config_is_loopback(interface) ? "50ms" : "20ms",
                    is_broker ? "10ms" : "20ms");
 }
@@ -153,24 +166,20 @@ void config_write(struct mu_text *xml, const struct bus_options *options, int in
                    "<MaxAutoParticipantIndex>%d</MaxAutoParticipantIndex><Peers>",
                    index, CONFIG_INDEX_END);
     peers_write(xml, options, interface);
-    /* Watermarks: a writer refuses to write beyond them what a reader has not acknowledged.  One
-     * that was killed acknowledges nothing until its lease ends, 10 s later, and what is back in
-     * its place waits, too.  A broker writes less than 2 MB in that time to a process of a run at
-     * 400 steps a second; in memory it may be 14 MB, for a small sample takes 4 KiB.  A process
-     * writes more in a flood of mail.  They begin at 30 kB, unless told.  They adapt: each sample
-     * that a reader asks for again lowers them, so that writers to a tool that was killed would
-     * stop. ReceiveBufferSize: one packet that waits for those before it holds a whole buffer, as
-     * of a process that was killed until its lease ends; the default is 1 MiB. */
+    /* Watermarks begin at 30 kB, unless told, and adapt: each sample that a reader asks for again
+     * lowers them, so that writers to a tool that was killed would stop.  ReceiveBufferSize: one
+     * packet that waits for those before it holds a whole buffer, as of a process that was killed
+     * until its lease ends; the default is 1 MiB. */
     mu_text_format(xml,
                    "</Peers><SPDPInterval>%s</SPDPInterval></Discovery>"
                    "<Internal><WriterLingerDuration>0s</WriterLingerDuration>",
                    presence_interval(options));
     heartbeat_write(xml, options, interface);
-    const char *unacknowledged = options->place == BUS_BROKER ? "2MB" : "8MB";
+    const char *most = unacknowledged(options);
     mu_text_format(xml,
                    "<Watermarks><WhcHigh>%s</WhcHigh><WhcHighInit>%s</WhcHighInit>"
                    "<WhcAdaptive>false</WhcAdaptive></Watermarks></Internal>"
                    "<Sizing><ReceiveBufferSize>256KiB</ReceiveBufferSize></Sizing>"
                    "</Domain></CycloneDDS>",
-                   unacknowledged, unacknowledged);
+                   most, most);
 }

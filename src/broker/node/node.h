@@ -53,7 +53,7 @@ struct outlet *outlets_find(struct outlets *m, const char *process);
 uint64_t outlets_spoke_ns(struct outlets *m);
 
 /** Closes the bags of processes that are gone for good, and opens one for every new process, and
- * every new life of one. */
+ * every new life of a neighbour, which keeps its name. */
 void outlets_follow(struct outlets *m, uint64_t now_ns);
 
 /**

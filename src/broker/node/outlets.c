@@ -54,8 +54,9 @@ static void outlet_open(struct outlets *m, struct outlet *outlet, const struct p
     }
 }
 
-/* Another life of a process gets a writer of its own: until DDS misses the reader of the one before
- * it keeps all that is written for it, and what went out before it was heard is lost. */
+/* Another life of a neighbour gets a writer of its own: one keeps all that is written for the
+ * reader of the life before, too, until DDS misses that, and what went out before it was heard is
+ * lost. */
 void outlets_follow(struct outlets *m, uint64_t now_ns)
 {
     for (uint32_t i = 0; i < m->broker->processes.top; i++) {
