@@ -610,6 +610,7 @@ int run_live(struct run *r)
     /* In lock step all processes work in turns; at leisure the machine may place them. */
     bool hurries = !r->options.free && r->options.rate <= 0.0;
     supervise_init(&r->children, r->options.quiet, hurries && !r->options.no_spread);
+    r->children.batch = hurries;
     int code = live_through(r);
     supervise_stop_all(&r->children, STOP_PATIENCE_MS);
     if (r->process) {

@@ -173,6 +173,9 @@ static mu_result child_start(const struct supervise *s, struct child *child, con
     cpu_set_t processors = processor_choose(s, child);
     pid_t pid = fork();
     if (pid == 0) {
+        if (s->batch) {
+            sched_setscheduler(0, SCHED_BATCH, &(struct sched_param){0});
+        }
         if (s->spread && !child->wide) {
             sched_setaffinity(0, sizeof processors, &processors);
         }

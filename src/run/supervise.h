@@ -50,6 +50,8 @@ struct supervise {
     uint32_t count;
     bool quiet;           /* do not pass on what children say */
     bool spread;          /* each child stays on one processor, they take turns */
+    bool batch;           /* children are SCHED_BATCH: one that is woken does not push aside the one
+                             that woke it, which has more to send (sched(7)) */
     cpu_set_t processors; /* that we may use */
 };
 
