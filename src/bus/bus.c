@@ -3,7 +3,7 @@
 
 #include "bus/bus_arrivals.h"
 #include "bus/bus_fault.h"
-#include "bus/frame.h"
+#include "bus/cdr.h"
 #include "bus/local.h"
 #include "bus/topics.h"
 #include "core/clock.h"
@@ -152,11 +152,11 @@ mu_result bus_write(const struct bus_writer *writer, const void *sample)
         return MU_BUSY;
     }
     struct cdr_room *room = &writer->bus->room;
-    size_t end = frame_put(room, sample, topic->descriptor->m_ops);
+    size_t end = cdr_frame(room, sample, topic->descriptor->m_ops);
     mu_result result = MU_OK;
     if (!local || local_needs_dds(local)) {
         dds_time_t now = local ? local_stamp(local) : dds_time();
-        result = written(frame_write(writer->writer, room->at, end, now));
+        result = written(cdr_frame_write(writer->writer, room->at, end, now));
     }
     if (local && result == MU_OK) {
         local_write(local, room->at);

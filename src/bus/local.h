@@ -11,7 +11,7 @@
  * has it matched.
  *
  * The writer says first who it is on DDS; the reader answers with one byte; the writer says from
- * when on all comes here, and then samples come: frames (frame.h), with
+ * when on all comes here, and then samples come: frames (cdr.h), with
  * the topic's CDR in the byte order of the host.  Where DDS has the sample for others of its
  * readers, too, one that is connected drops it.
  *
@@ -82,7 +82,7 @@ bool local_has_room(struct local_writer *o);
 /** @return whether a reader gets its samples by DDS */
 bool local_needs_dds(const struct local_writer *o);
 
-/** Writes a sample to all that are connected (frame.h). */
+/** Writes a sample to all that are connected (cdr.h). */
 void local_write(struct local_writer *o, const char *frame);
 
 /** @return a time for the next sample on DDS, later than those of all before */

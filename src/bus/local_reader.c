@@ -2,7 +2,6 @@
 #include "bus/local.h"
 
 #include "bus/cdr.h"
-#include "bus/frame.h"
 #include "bus/local_frame.h"
 #include "bus/local_token.h"
 #include "bus/topics.h"
@@ -219,9 +218,9 @@ static void input_end(struct local_input *in)
 /* @return whether it may go on: whole samples are counted, and none is no sample */
 static bool frames_count(struct local_input *in)
 {
-    while (in->tail - in->counted >= FRAME_HEAD) {
+    while (in->tail - in->counted >= CDR_FRAME_HEAD) {
         size_t size = frame_size(in, in->counted);
-        if (size < FRAME_HEAD || size % FRAME_HEAD != 0) {
+        if (size < CDR_FRAME_HEAD || size % CDR_FRAME_HEAD != 0) {
             in->bus->malformed++;
             return false;
         }
@@ -328,7 +327,8 @@ static bool frame_decode(struct local_input *in, void *sample)
 {
     const uint32_t *ops = topic_table[in->reader->topic].descriptor->m_ops;
     const char *frame = in->data + in->head;
-    bool whole = cdr_take(sample, frame + FRAME_HEAD, frame_size(in, in->head) - FRAME_HEAD, ops);
+    bool whole =
+        cdr_take(sample, frame + CDR_FRAME_HEAD, frame_size(in, in->head) - CDR_FRAME_HEAD, ops);
     in->bus->malformed += !whole;
     frame_drop(in);
     return whole;

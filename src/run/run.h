@@ -78,6 +78,7 @@ struct run {
     struct run_file *files; /* that it is made of */
     size_t files_count;
     struct supervise children;
+    bool hurries;                                /* as fast as the machine can */
     struct run_part *parts;                      /* what each of them is */
     bool begun;                                  /* it was told to go */
     bool monitors_late[EXPERIMENT_MONITORS_MAX]; /* so slow that they were ended after the run */

@@ -370,6 +370,9 @@ static int round_live(struct run *r)
     run_observer_look(r);
     chaos_look(r);
     supervise_look(&r->children);
+    if (r->hurries) {
+        supervise_hurry(&r->children);
+    }
     hosts_excuse(r);
     run_monitors_look(r);
     progress_show(r);
@@ -608,9 +611,8 @@ int run_live(struct run *r)
     runs_note(r->experiment->name, r->folder);
     setenv(MU_NETWORK_WAIT, "1e9", 1); /* children end with us */
     /* In lock step all processes work in turns; at leisure the machine may place them. */
-    bool hurries = !r->options.free && r->options.rate <= 0.0;
-    supervise_init(&r->children, r->options.quiet, hurries && !r->options.no_spread);
-    r->children.batch = hurries;
+    r->hurries = !r->options.free && r->options.rate <= 0.0;
+    supervise_init(&r->children, r->options.quiet, r->hurries && !r->options.no_spread);
     int code = live_through(r);
     supervise_stop_all(&r->children, STOP_PATIENCE_MS);
     if (r->process) {

@@ -173,9 +173,6 @@ static mu_result child_start(const struct supervise *s, struct child *child, con
     cpu_set_t processors = processor_choose(s, child);
     pid_t pid = fork();
     if (pid == 0) {
-        if (s->batch) {
-            sched_setscheduler(0, SCHED_BATCH, &(struct sched_param){0});
-        }
         if (s->spread && !child->wide) {
             sched_setaffinity(0, sizeof processors, &processors);
         }
@@ -447,4 +444,90 @@ void supervise_explain(const struct child *child)
         fprintf(stderr, "its last words:\n%s%s", child->words,
                 child->words[child->words_len - 1] == '\n' ? "" : "\n");
     }
+}
+
+/* --- haste ------------------------------------------------------------------------------------ */
+
+static const uint64_t HURRY_LOOK_NS = 200000000;
+
+/* Others may take so much of one processor's time: /proc/stat counts in hundredths of a second. */
+enum { OTHERS_MAX_PERCENT = 20 };
+
+/* The counters of a processor, in ticks: user, nice, system, idle, iowait, irq, softirq.
+ * @return of those, the time at work */
+static uint64_t line_read(const char *counters)
+{
+    unsigned long long n[7] = {0};
+    int count = sscanf(counters, "%llu %llu %llu %llu %llu %llu %llu", &n[0], &n[1], &n[2], &n[3],
+                       &n[4], &n[5], &n[6]);
+    uint64_t ticks = count == 7 ? n[0] + n[1] + n[2] + n[5] + n[6] : 0;
+    return ticks * (1000000000u / (uint64_t)sysconf(_SC_CLK_TCK));
+}
+
+/* @return how long those processors have worked since the machine was started */
+static uint64_t busy_read(const cpu_set_t *processors)
+{
+    static char text[64 * 1024];
+    int fd = open("/proc/stat", O_RDONLY | O_CLOEXEC);
+    ssize_t len = fd >= 0 ? read(fd, text, sizeof text - 1) : 0;
+    if (fd >= 0) {
+        close(fd);
+    }
+    text[len > 0 ? len : 0] = '\0';
+    uint64_t busy_ns = 0;
+    for (const char *at = text; (at = strstr(at, "\ncpu"));) {
+        int cpu, digits;
+        at += strlen("\ncpu");
+        if (sscanf(at, "%d%n", &cpu, &digits) == 1 && CPU_ISSET(cpu, processors)) {
+            busy_ns += line_read(at + digits);
+        }
+    }
+    return busy_ns;
+}
+
+static uint64_t clock_read(clockid_t clock)
+{
+    struct timespec t;
+    return clock_gettime(clock, &t) == 0 ? (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec
+                                         : 0;
+}
+
+/* @return how long the processes of the run have worked; one that has ended counts no more */
+static uint64_t own_read(const struct supervise *s)
+{
+    clockid_t clock;
+    uint64_t own_ns = clock_read(CLOCK_PROCESS_CPUTIME_ID);
+    for (uint32_t i = 0; i < s->count; i++) {
+        const struct child *child = &s->children[i];
+        if (!child->ended && clock_getcpuclockid(child->pid, &clock) == 0) {
+            own_ns += clock_read(clock);
+        }
+    }
+    return own_ns;
+}
+
+static void children_become(const struct supervise *s, int policy)
+{
+    for (uint32_t i = 0; i < s->count; i++) {
+        if (!s->children[i].ended) {
+            sched_setscheduler(s->children[i].pid, policy, &(struct sched_param){0});
+        }
+    }
+}
+
+void supervise_hurry(struct supervise *s)
+{
+    struct supervise_haste *h = &s->haste;
+    uint64_t now_ns = mu_clock_ns(), passed_ns = now_ns - h->looked_ns;
+    if (passed_ns < HURRY_LOOK_NS) {
+        return;
+    }
+    uint64_t busy_ns = busy_read(&s->processors), own_ns = own_read(s);
+    int64_t others_ns = (int64_t)(busy_ns - h->busy_ns) - (int64_t)(own_ns - h->own_ns);
+    bool alone = others_ns < (int64_t)(passed_ns / 100 * OTHERS_MAX_PERCENT);
+    if (h->looked_ns > 0) {
+        h->batch = alone;
+        children_become(s, alone ? SCHED_BATCH : SCHED_OTHER);
+    }
+    *h = (struct supervise_haste){h->batch, now_ns, busy_ns, own_ns};
 }

@@ -148,8 +148,7 @@ static void test_another_life_that_reads_is_told_all(void)
     two();
     net_send("red", "blue", "one");
     net_settle();
-    uint32_t blue = registry_find(&net.b[B]->registry, "blue");
-    remote_peer(net.b[B], "a")->boxes[blue].taken = 0;
+    remote_peer(net.b[B], "a")->boxes[registry_find(&net.b[B]->registry, "blue")].taken = 0;
     net_send("red", "blue", "two");
     net_settle();
     HEARD("blue", "one");

@@ -4,7 +4,6 @@
 #include "bus/cdr.h"
 
 #include "bus/bus.h"
-#include "bus/frame.h"
 #include "bus/topics.h"
 #include "core/random.h"
 #include "suite.h"
@@ -234,8 +233,8 @@ static void samples_are_written_alike(const struct bus_reader *r, const struct b
         uint32_t mine_size, theirs_size;
         CU_ASSERT_EQUAL_FATAL(dds_write(w->writer, sample), DDS_RETCODE_OK);
         char *theirs = payload_take(r->reader, &theirs_size);
-        size_t at = frame_put(&room, sample, d->m_ops);
-        CU_ASSERT_EQUAL_FATAL(frame_write(w->writer, room.at, at, dds_time()), DDS_RETCODE_OK);
+        size_t at = cdr_frame(&room, sample, d->m_ops);
+        CU_ASSERT_EQUAL_FATAL(cdr_frame_write(w->writer, room.at, at, dds_time()), DDS_RETCODE_OK);
         char *mine = payload_take(r->reader, &mine_size);
         CU_ASSERT_EQUAL_FATAL(mine_size, theirs_size);
         CU_ASSERT_EQUAL(memcmp(mine, theirs, mine_size), 0);
