@@ -11,9 +11,8 @@
  * has it matched.
  *
  * The writer says first who it is on DDS; the reader answers with one byte; the writer says from
- * when on all comes here, and then samples come: frames (cdr.h), with
- * the topic's CDR in the byte order of the host.  Where DDS has the sample for others of its
- * readers, too, one that is connected drops it.
+ * when on all comes here, and then samples come, as frames (cdr.h) in the byte order of the host.
+ * Where DDS has the sample for others of its readers, too, one that is connected drops it.
  *
  * One thread at a time.  Memory is DDS's, like that of its samples.
  */

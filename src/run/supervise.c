@@ -506,11 +506,13 @@ static uint64_t own_read(const struct supervise *s)
     return own_ns;
 }
 
-static void children_become(const struct supervise *s, int policy)
+/* A program that has chosen another policy keeps it. */
+static void children_become(const struct supervise *s, int policy, int from)
 {
     for (uint32_t i = 0; i < s->count; i++) {
-        if (!s->children[i].ended) {
-            sched_setscheduler(s->children[i].pid, policy, &(struct sched_param){0});
+        pid_t pid = s->children[i].pid;
+        if (!s->children[i].ended && sched_getscheduler(pid) == from) {
+            sched_setscheduler(pid, policy, &(struct sched_param){0});
         }
     }
 }
@@ -527,7 +529,7 @@ void supervise_hurry(struct supervise *s)
     bool alone = others_ns < (int64_t)(passed_ns / 100 * OTHERS_MAX_PERCENT);
     if (h->looked_ns > 0) {
         h->batch = alone;
-        children_become(s, alone ? SCHED_BATCH : SCHED_OTHER);
+        children_become(s, alone ? SCHED_BATCH : SCHED_OTHER, alone ? SCHED_OTHER : SCHED_BATCH);
     }
     *h = (struct supervise_haste){h->batch, now_ns, busy_ns, own_ns};
 }

@@ -66,6 +66,17 @@ static void test_beside_another_that_computes_none_is_batch(void)
     process_end(children[0].pid);
 }
 
+static void test_a_policy_of_its_own_stays(void)
+{
+    begin();
+    sched_setscheduler(children[0].pid, SCHED_IDLE, &(struct sched_param){0});
+    supervise_hurry(&all);
+    nanosleep(&(struct timespec){.tv_nsec = 300000000}, NULL);
+    supervise_hurry(&all);
+    CU_ASSERT_EQUAL(sched_getscheduler(children[0].pid), SCHED_IDLE);
+    process_end(children[0].pid);
+}
+
 /* What its own children take does not count: on processors that nobody uses they are batch. */
 static void test_alone_they_are_batch(void)
 {
@@ -87,7 +98,8 @@ int main(void)
         {"beside another that computes, none is batch",
          test_beside_another_that_computes_none_is_batch},
         {"alone they are batch", test_alone_they_are_batch},
+        {"a policy of its own stays", test_a_policy_of_its_own_stays},
         CU_TEST_INFO_NULL,
     };
-    return suite_run("run/haste", tests);
+    return suite_run("run/hurry", tests);
 }
