@@ -485,22 +485,15 @@ static uint64_t busy_read(const cpu_set_t *processors)
     return busy_ns;
 }
 
-static uint64_t clock_read(clockid_t clock)
-{
-    struct timespec t;
-    return clock_gettime(clock, &t) == 0 ? (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec
-                                         : 0;
-}
-
 /* @return how long the processes of the run have worked; one that has ended counts no more */
 static uint64_t own_read(const struct supervise *s)
 {
     clockid_t clock;
-    uint64_t own_ns = clock_read(CLOCK_PROCESS_CPUTIME_ID);
+    uint64_t own_ns = mu_clock_read(CLOCK_PROCESS_CPUTIME_ID);
     for (uint32_t i = 0; i < s->count; i++) {
         const struct child *child = &s->children[i];
         if (!child->ended && clock_getcpuclockid(child->pid, &clock) == 0) {
-            own_ns += clock_read(clock);
+            own_ns += mu_clock_read(clock);
         }
     }
     return own_ns;

@@ -2,11 +2,11 @@
 #include "broker/node/node.h"
 
 #include "broker/control/parts.h"
+#include "core/clock.h"
 
 #include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 static const int64_t LAST_PATIENCE_NS = 1000000000; /* for the counters of a report */
@@ -16,13 +16,6 @@ mu_result telemetry_open(struct telemetry *h, struct bus *bus)
     *h = (struct telemetry){.bus = bus};
     MU_TRY(bus_writer_open(bus, BUS_BROKER_STATUS, NULL, NULL, &h->status));
     return bus_writer_open(bus, BUS_PART_STATUS, NULL, NULL, &h->parts);
-}
-
-static uint64_t cpu_ns(void)
-{
-    struct timespec t = {0};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
 }
 
 /* The second number of /proc/self/statm, in pages.  @return 0 where there is none */
@@ -49,7 +42,7 @@ static void status_tell(struct telemetry *h, struct broker *b, bool all)
     if (!all && memcmp(&news, &h->told, sizeof news) == 0) {
         return;
     }
-    status.cpu_ns = cpu_ns();
+    status.cpu_ns = mu_clock_read(CLOCK_PROCESS_CPUTIME_ID);
     status.resident_bytes = resident_bytes();
     if (bus_write(&h->status, &status) == MU_OK) {
         h->told = news;

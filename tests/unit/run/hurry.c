@@ -11,6 +11,8 @@
 #include <time.h>
 #include <unistd.h>
 
+enum { LONG_NS = 300000000 }; /* it looks again after that */
+
 static struct supervise all;
 static struct child children[1];
 
@@ -39,7 +41,7 @@ static void process_end(pid_t pid)
 /* Looks again when enough time has passed.  @return whether the child is batch */
 static bool look(void)
 {
-    nanosleep(&(struct timespec){.tv_nsec = 300000000}, NULL);
+    nanosleep(&(struct timespec){.tv_nsec = LONG_NS}, NULL);
     supervise_hurry(&all);
     int policy = sched_getscheduler(all.children[0].pid);
     CU_ASSERT_EQUAL(policy, all.haste.batch ? SCHED_BATCH : SCHED_OTHER);
@@ -71,7 +73,7 @@ static void test_a_policy_of_its_own_stays(void)
     begin();
     sched_setscheduler(children[0].pid, SCHED_IDLE, &(struct sched_param){0});
     supervise_hurry(&all);
-    nanosleep(&(struct timespec){.tv_nsec = 300000000}, NULL);
+    all.haste.looked_ns -= LONG_NS;
     supervise_hurry(&all);
     CU_ASSERT_EQUAL(sched_getscheduler(children[0].pid), SCHED_IDLE);
     process_end(children[0].pid);
@@ -86,7 +88,7 @@ static void test_alone_they_are_batch(void)
     CU_ASSERT_TRUE(look());
     children[0].ended = true; /* its number may be another's by now */
     sched_setscheduler(children[0].pid, SCHED_OTHER, &(struct sched_param){0});
-    nanosleep(&(struct timespec){.tv_nsec = 300000000}, NULL);
+    all.haste.looked_ns -= LONG_NS;
     supervise_hurry(&all);
     CU_ASSERT_EQUAL(sched_getscheduler(children[0].pid), SCHED_OTHER);
     process_end(children[0].pid);
