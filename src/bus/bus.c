@@ -151,6 +151,7 @@ mu_result bus_write(const struct bus_writer *writer, const void *sample)
     if (local && !local_has_room(local)) {
         return MU_BUSY;
     }
+    writer->bus->wrote = true;
     struct cdr_room *room = &writer->bus->room;
     size_t end = cdr_frame(room, sample, topic->descriptor->m_ops);
     mu_result result = MU_OK;

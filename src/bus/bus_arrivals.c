@@ -16,6 +16,10 @@
  * writer is no sample, and not every listener hears of it. */
 static const uint64_t LOOK_NS = 20000000;
 
+/* Who has written and does not wait need not ask the system again so soon after nothing was there:
+ * a program that spins after each mail of many would be as busy with that as with the mail. */
+static const uint64_t QUIET_NS = 20000;
+
 /* A socket that has brought a sample of so many pairs, one after another, will do so again. */
 enum { REGULAR = 8 };
 
@@ -116,6 +120,7 @@ void bus_arrivals_poll(struct bus *bus, int64_t timeout_ns)
     struct epoll_event events[AT_ONCE];
     eventfd_t notes;
     int count = events_wait(bus->poll_fd, events, AT_ONCE, timeout_ns);
+    bus->quiet_ns = count > 0 ? 0 : bus->waited_ns;
     for (int i = 0; i < count; i++) {
         struct local_source *source = events[i].data.ptr;
         if (!source) {
@@ -195,6 +200,9 @@ bool bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
     if (timeout_ns > 0) {
         return samples_await(bus, samples, bus->waited_ns + (uint64_t)timeout_ns);
     }
-    bus_arrivals_poll(bus, 0);
+    if (!bus->wrote || bus->waited_ns - bus->quiet_ns > QUIET_NS) {
+        bus_arrivals_poll(bus, 0);
+    }
+    bus->wrote = false;
     return samples_there(bus) >= samples;
 }
