@@ -146,10 +146,10 @@ static char *strings_copy(const struct strings *s, char *at, char *copy[OUTBOX_S
     return at;
 }
 
-static muster_Mail wire_mail(const struct outbox *box, const struct mu_mail *mail,
-                             char *strings[OUTBOX_STRINGS])
+static void wire_mail(muster_Mail *out, const struct outbox *box, const struct mu_mail *mail,
+                      char *strings[OUTBOX_STRINGS])
 {
-    return (muster_Mail){.src = strings[0],
+    *out = (muster_Mail){.src = strings[0],
                          .since_wall_ns = box->since_wall_ns,
                          .seq = box->next_seq,
                          .dst = strings[1],
@@ -163,6 +163,8 @@ static muster_Mail wire_mail(const struct outbox *box, const struct mu_mail *mai
                          .reply_by_ns = mail->reply_by_ns,
                          .priority = mail->priority,
                          .level = (muster_Level)mail->level,
+                         .again = false,
+                         .hops = 0,
                          .due_ns = mail->timed ? wire_due_ns(mail->due_ns) : -1,
                          .ttl_ns = mail->ttl_ns,
                          .content = strings[8]};
@@ -183,8 +185,11 @@ mu_result outbox_put(struct outbox *box, const char *src, const struct mu_mail *
         return MU_FULL;
     }
     char *end = strings_copy(&s, at, copy);
-    *slot_of(box, box->next_seq) = (struct outbox_slot){.mail = wire_mail(box, mail, copy),
-                                                        .text_end = (size_t)(end - box->text)};
+    struct outbox_slot *slot = slot_of(box, box->next_seq);
+    wire_mail(&slot->mail, box, mail, copy);
+    slot->text_end = (size_t)(end - box->text);
+    slot->confirmed = slot->ended = slot->sent = false;
+    slot->had = 0;
     box->next_seq++;
     return MU_OK;
 }
