@@ -31,14 +31,13 @@ void mu_text_add_bytes(struct mu_text *t, const char *s, size_t len)
         len = room;
         t->cut = true;
     }
-    memcpy(t->at + t->len, s, len);
+    if (len == 1) { /* half of what is added */
+        t->at[t->len] = *s;
+    } else {
+        memcpy(t->at + t->len, s, len);
+    }
     t->len += len;
     t->at[t->len] = '\0';
-}
-
-void mu_text_add(struct mu_text *t, const char *s)
-{
-    mu_text_add_bytes(t, s, strlen(s));
 }
 
 void mu_text_add_number(struct mu_text *t, long long number)

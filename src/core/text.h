@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 /* Bytes of a word as it is shown, with the zero. */
 enum { MU_TEXT_SHOWN = 128 };
@@ -27,11 +28,14 @@ void mu_text_init(struct mu_text *t, char *buffer, size_t size);
 /** Empties it. */
 void mu_text_clear(struct mu_text *t);
 
-/** Adds a string, or as much of it as fits. */
-void mu_text_add(struct mu_text *t, const char *s);
-
 /** Adds len bytes of a string, or as many as fit. */
 void mu_text_add_bytes(struct mu_text *t, const char *s, size_t len);
+
+/** Adds a string, or as much of it as fits. */
+static inline void mu_text_add(struct mu_text *t, const char *s)
+{
+    mu_text_add_bytes(t, s, strlen(s)); /* that of a constant is known */
+}
 
 /** Adds len bytes of a stranger's text, for a terminal: "?" stands for each control character. */
 void mu_text_add_plain(struct mu_text *t, const char *s, size_t len);

@@ -15,6 +15,7 @@
 #define EPSILON fmaxl(LDBL_EPSILON, 0x1p-100L)
 
 enum { READ_DIGITS = 18, PRINT_DIGITS = 17, EXPONENT_MIN = -4, EXPONENT_MAX = 14 };
+enum { HALF_DIGITS = PRINT_DIGITS / 2, HALF = 100000000 };
 
 /* Exact: 5 to the power of 20 has 47 bits. */
 static const long double tens[] = {1e0L,  1e1L,  1e2L,  1e3L,  1e4L,  1e5L,  1e6L,
@@ -64,46 +65,53 @@ static uint64_t digits_of(double size, int *exponent)
         e++;
     }
     long double scaled = size * tens[PRINT_DIGITS - 1 - e];
-    long double error = scaled * 4 * EPSILON; /* product, and two sums */
-    uint64_t digits = (uint64_t)(scaled - error + 0.5L);
-    bool sure = digits == (uint64_t)(scaled + error + 0.5L) &&
+    uint64_t digits = (uint64_t)scaled;
+    long double above_half = scaled - (long double)digits - 0.5L; /* exact */
+    digits += above_half > 0;
+    bool sure = fabsl(above_half) > scaled * EPSILON && /* the product has half of it */
                 digits >= (uint64_t)tens[PRINT_DIGITS - 1] && digits < (uint64_t)tens[PRINT_DIGITS];
     *exponent = e;
     return sure ? digits : 0;
 }
 
-/* Writes digits with a point before place `point` of them, without zeros at the end. */
-static void digits_print(char *to, uint64_t digits, int point)
+/* Writes digits with a point before place `point` of them, without zeros at the end.  @return
+ * whether none is behind the point */
+static bool digits_print(char *to, uint64_t digits, int point)
 {
     char all[PRINT_DIGITS - EXPONENT_MIN] = "0000";
     int zeros = point < 1 ? 1 - point : 0, count = zeros + PRINT_DIGITS;
-    for (int i = count; i-- > zeros; digits /= 10) {
-        all[i] = (char)('0' + digits % 10);
+    uint32_t last = (uint32_t)(digits % HALF), first = (uint32_t)(digits / HALF);
+    for (int i = 1; i <= HALF_DIGITS; i++, last /= 10, first /= 10) { /* both at a time */
+        all[count - i] = (char)('0' + last % 10);
+        all[count - HALF_DIGITS - i] = (char)('0' + first % 10);
     }
+    all[zeros] = (char)('0' + first);
     point += zeros;
     while (count > point && all[count - 1] == '0') {
         count--;
     }
     memcpy(to, all, (size_t)point);
-    if (count > point) {
+    bool whole = count == point;
+    if (!whole) {
         to[point] = '.';
         memcpy(to + point + 1, all + point, (size_t)(count - point));
         count++;
     }
     to[count] = '\0';
+    return whole;
 }
 
-void number_print(char to[static NUMBER_MAX], double x)
+bool number_print(char to[static NUMBER_MAX], double x)
 {
     int exponent;
     double size = fabs(x);
     uint64_t digits = size >= 1e-4 && size < 1e15 ? digits_of(size, &exponent) : 0;
     if (digits == 0) {
         snprintf(to, NUMBER_MAX, "%.17g", x);
-        return;
+        return !strpbrk(to, ".en"); /* of an exponent, inf or nan */
     }
     if (x < 0) {
         *to++ = '-';
     }
-    digits_print(to, digits, exponent + 1);
+    return digits_print(to, digits, exponent + 1);
 }

@@ -18,7 +18,7 @@
  */
 bool number_read(const char *at, size_t len, double *x);
 
-/** Prints as "%.17g" does. */
-void number_print(char to[static NUMBER_MAX], double x);
+/** Prints as "%.17g" does.  @return whether it is digits alone, as a whole number would be */
+bool number_print(char to[static NUMBER_MAX], double x);
 
 #endif

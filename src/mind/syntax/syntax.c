@@ -359,11 +359,9 @@ void syntax_add_quoted(struct mu_text *out, const char *s)
 void syntax_add_float(struct mu_text *out, double x)
 {
     char digits[NUMBER_MAX];
-    number_print(digits, x);
+    bool whole = number_print(digits, x);
     mu_text_add(out, digits);
-    if (!strpbrk(digits, ".en")) {
-        mu_text_add(out, ".0");
-    }
+    mu_text_add(out, whole ? ".0" : "");
 }
 
 void syntax_add_symbol(struct mu_text *out, const char *s)

@@ -23,9 +23,9 @@ static void reads_as_in_c(const char *word)
 static void prints_as_in_c(double x)
 {
     char ours[NUMBER_MAX], theirs[NUMBER_MAX];
-    number_print(ours, x);
+    bool whole = number_print(ours, x);
     snprintf(theirs, sizeof theirs, "%.17g", x);
-    wrong += strcmp(ours, theirs) != 0;
+    wrong += strcmp(ours, theirs) != 0 || whole == (strpbrk(theirs, ".en") != NULL);
     reads_as_in_c(theirs);
 }
 
