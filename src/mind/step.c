@@ -83,6 +83,7 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act)
     output_of(m)->act.rules = m->fired.at;
     trace_agenda(m);
     (void)mind_leave(m);
+    warm_end(m);
     *act = output_of(m)->act;
     output_of(m)->act = (struct mind_act){.drives = false};
 }
@@ -91,6 +92,7 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act)
 static void percept_sense(struct mind *m, const struct mu_percept *percept, uint64_t time_ns)
 {
     inputs_of(m)->step++;
+    warm_begin(m);
     if (!MIND_ENTER(m, STATE_SENSE)) {
         return;
     }

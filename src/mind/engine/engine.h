@@ -83,7 +83,8 @@ struct source_lines; /* source_lines.c */
 
 enum {
     HEAP_SIZES = 24, /* sizes of small blocks: 8, 16, ... bytes */
-    HEAP_PARTS = 20  /* of larger ones: a page, or a half of it, or a third, ... */
+    HEAP_PARTS = 20, /* of larger ones: a page, or a half of it, or a third, ... */
+    HEAP_KNOWN = 256 /* pages that warm.c knows by number, 0 to 255 */
 };
 
 /* The memory of an environment: heap.c. */
@@ -91,6 +92,9 @@ struct heap {
     struct heap_item *large, *full,
         *pages[HEAP_SIZES + HEAP_PARTS]; /* with room, by kind of block */
     size_t held;                         /* bytes in all blocks */
+    char *known[HEAP_KNOWN];             /* pages by number; NULL: it was given back */
+    uint32_t opened, spare;              /* numbers that were given; one that is free, or opened */
+    uint64_t shape;                      /* a hash of the sizes of blocks in the pages */
 };
 
 /* Globals that C code reads; environment.c has their names and first values. */
@@ -119,6 +123,7 @@ struct mind {
     uint64_t refused_calls; /* of a mind without rules */
     void *env;
     struct heap heap;
+    uint64_t shape; /* that the heap had when the first step began; 0: none has */
     struct mind_options options;
     char name[MU_NAME_MAX + 1], folder[PATH_MAX], file[PATH_MAX]; /* that the options point to */
     struct defglobal *globals[ENVIRONMENT_NUMBERS];
@@ -241,6 +246,9 @@ enum { PAGE_BYTES = 4096 }; /* a page stands at a multiple of its size */
 void *pages_take(void);
 void pages_give(void *page);
 
+/** @return chunks of 2 MiB that all minds have */
+uint32_t pages_chunks(void);
+
 /* heap.c */
 
 /** Makes the environment of a mind; environment_mind finds the mind from then on. */
@@ -248,6 +256,13 @@ void heap_make(struct mind *m);
 
 /** Gives back all memory of the environment, whatever its contents. */
 void heap_drop(struct mind *m);
+
+/* warm.c */
+
+/** A step begins: asks for the memory that it will use.  It has ended.  The mind goes. */
+void warm_begin(struct mind *m);
+void warm_end(struct mind *m);
+void warm_forget(const struct mind *m);
 
 /* budget.c */
 

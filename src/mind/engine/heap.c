@@ -28,6 +28,7 @@ struct heap_page {
     struct heap_item item;
     void *free;              /* blocks that were given back, each of which points to the next */
     uint32_t used, cut, end; /* blocks in use; bytes cut from the page so far, and at most */
+    uint32_t number;         /* HEAP_KNOWN: it has none */
 };
 
 enum { HEAP_ROOM = PAGE_BYTES - sizeof(struct heap_page) };
@@ -81,14 +82,28 @@ static void heap_unlink(struct heap_item *item)
     }
 }
 
-static struct heap_page *heap_open(struct heap_item **list, uint32_t size)
+static uint32_t heap_number(struct heap *h, void *page, uint32_t size)
+{
+    uint32_t number = h->spare;
+    if (number < HEAP_KNOWN) {
+        h->known[number] = page;
+        h->opened += number == h->opened;
+        h->spare = h->opened;
+    }
+    h->shape = (h->shape + size) * 0x9e3779b97f4a7c15;
+    return number;
+}
+
+static struct heap_page *heap_open(struct heap *h, struct heap_item **list, uint32_t size)
 {
     struct heap_page *page = pages_take();
     if (!page) {
         return NULL;
     }
     uint32_t blocks = (uint32_t)HEAP_ROOM / size;
-    *page = (struct heap_page){.cut = sizeof *page, .end = (uint32_t)sizeof *page + blocks * size};
+    *page = (struct heap_page){.cut = sizeof *page,
+                               .end = (uint32_t)sizeof *page + blocks * size,
+                               .number = heap_number(h, page, size)};
     heap_link(list, &page->item);
     return page;
 }
@@ -103,7 +118,7 @@ static void *heap_take_shared(struct heap *h, size_t bytes)
     size_t kind = heap_kind(bytes);
     struct heap_page *page = (struct heap_page *)h->pages[kind];
     if (!page) {
-        page = heap_open(&h->pages[kind], heap_size(kind));
+        page = heap_open(h, &h->pages[kind], heap_size(kind));
     }
     if (!page) {
         return NULL;
@@ -134,6 +149,10 @@ static void heap_give_shared(struct heap *h, void *block, size_t bytes)
         heap_unlink(&page->item);
     }
     if (page->used == 0) {
+        if (page->number < HEAP_KNOWN) {
+            h->known[page->number] = NULL;
+            h->spare = page->number;
+        }
         pages_give(page);
     } else if (full) {
         heap_link(&h->pages[heap_kind(bytes)], &page->item);
@@ -208,6 +227,8 @@ void heap_drop(struct mind *m)
     struct heap *h = &m->heap;
     bool much = h->held > HEAP_MUCH;
     m->env = NULL;
+    warm_forget(m);
+    m->shape = 0;
     heap_drop_list(h->large, free);
     heap_drop_list(h->full, pages_give);
     for (size_t i = 0; i < HEAP_SIZES + HEAP_PARTS; i++) {

@@ -67,6 +67,11 @@ static struct chunk *chunk_open(void)
     return c;
 }
 
+uint32_t pages_chunks(void)
+{
+    return chunks;
+}
+
 void *pages_take(void)
 {
     struct chunk *c = chunks_with_room ? chunks_with_room : chunk_open();

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Minds that are so many that they measure what they use do what one alone does. */
+#include "core/text_file.h"
+#include "mind/engine/engine.h"
+#include "mind/mind.h"
+#include "suite.h"
+
+#include <CUnit/Basic.h>
+
+enum { MINDS = 60, STEPS = 60, SONARS = 16, LEAVES_AT = 30 };
+
+static struct mind *minds[MINDS];
+static struct mind_act alone[STEPS];
+
+static mu_result post(void *self, const struct mind_letter *letter)
+{
+    (void)self;
+    (void)letter;
+    return MU_OK;
+}
+
+/* Their random numbers are the same as their names are. */
+static struct mind *mind_make(void)
+{
+    struct mind *m = NULL;
+    struct mu_fault fault = {.text = ""};
+    struct mind_options options = {.read = mu_text_file_read,
+                                   .name = "red",
+                                   .seed = 1,
+                                   .rules_folder = "rules",
+                                   .ports = {.send = post}};
+    CU_ASSERT_EQUAL_FATAL(mind_open(&m, &options, &fault), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(mind_load(m, "bench/sim/roam.clp", &fault), MU_OK);
+    return m;
+}
+
+static struct mind_act step_make(struct mind *m, uint64_t step)
+{
+    float sonar_m[SONARS];
+    for (size_t i = 0; i < SONARS; i++) {
+        sonar_m[i] = 0.3F + 0.2F * (float)((step / 4 + 3 * i) % 20);
+    }
+    struct mu_percept percept = {.time_ns = step * MU_STEP_NS,
+                                 .x_m = 0.01 * (double)step,
+                                 .forward_m_s = 0.2,
+                                 .sonar_count = SONARS,
+                                 .sonar_m = sonar_m};
+    struct mind_act act;
+    mind_percept(m, &percept);
+    mind_fire(m, &act);
+    return act;
+}
+
+static bool acts_are_same(const struct mind_act *a, const struct mind_act *b)
+{
+    return a->drives == b->drives && a->forward_m_s == b->forward_m_s &&
+           a->turn_rad_s == b->turn_rad_s && a->firings == b->firings && a->errors == b->errors;
+}
+
+/* Known pages are pages, none of which is known twice. */
+static bool pages_are_known(const struct heap *h)
+{
+    uint32_t wrong = h->opened > HEAP_KNOWN || h->spare > HEAP_KNOWN;
+    for (uint32_t i = 0; i < h->opened; i++) {
+        for (uint32_t j = 0; j < i; j++) {
+            wrong += h->known[i] && h->known[i] == h->known[j];
+        }
+        wrong += (uintptr_t)h->known[i] % PAGE_BYTES != 0;
+    }
+    return wrong == 0;
+}
+
+/* The first one, which measures for all, is gone in the middle of it. */
+static void test_many_do_what_one_does(void)
+{
+    struct mind *one = mind_make();
+    for (uint64_t s = 0; s < STEPS; s++) {
+        alone[s] = step_make(one, s);
+        CU_ASSERT(alone[s].errors == 0 && alone[s].firings > 0);
+    }
+    for (size_t i = 0; i < MINDS; i++) {
+        minds[i] = mind_make();
+    }
+    unsigned other = 0;
+    for (uint64_t s = 0; s < STEPS; s++) {
+        for (size_t i = s > LEAVES_AT ? 1 : 0; i < MINDS; i++) {
+            struct mind_act act = step_make(minds[i], s);
+            other += !acts_are_same(&act, &alone[s]);
+        }
+        if (s == LEAVES_AT) {
+            mind_close(minds[0]);
+        }
+    }
+    CU_ASSERT_EQUAL(other, 0);
+    CU_ASSERT(pages_are_known(&minds[1]->heap));
+}
+
+int main(void)
+{
+    CU_TestInfo tests[] = {
+        {"many minds do what one does", test_many_do_what_one_does},
+        CU_TEST_INFO_NULL,
+    };
+    return suite_run("mind/warm", tests);
+}
