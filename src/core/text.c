@@ -24,20 +24,12 @@ void mu_text_clear(struct mu_text *t)
     mu_text_init(t, t->at, t->size);
 }
 
-void mu_text_add_bytes(struct mu_text *t, const char *s, size_t len)
+void mu_text_cut(struct mu_text *t, const char *s, size_t len)
 {
     size_t room = t->size - t->len - 1;
-    if (len > room) {
-        len = room;
-        t->cut = true;
-    }
-    if (len == 1) { /* half of what is added */
-        t->at[t->len] = *s;
-    } else {
-        memcpy(t->at + t->len, s, len);
-    }
-    t->len += len;
-    t->at[t->len] = '\0';
+    MU_ASSERT(len > room);
+    mu_text_add_bytes(t, s, room);
+    t->cut = true;
 }
 
 void mu_text_add_number(struct mu_text *t, long long number)

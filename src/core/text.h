@@ -28,13 +28,25 @@ void mu_text_init(struct mu_text *t, char *buffer, size_t size);
 /** Empties it. */
 void mu_text_clear(struct mu_text *t);
 
+/** Adds as much as fits of len bytes that do not all fit. */
+void mu_text_cut(struct mu_text *t, const char *s, size_t len);
+
 /** Adds len bytes of a string, or as many as fit. */
-void mu_text_add_bytes(struct mu_text *t, const char *s, size_t len);
+static inline void mu_text_add_bytes(struct mu_text *t, const char *s, size_t len)
+{
+    if (len < t->size - t->len) {
+        memcpy(t->at + t->len, s, len);
+        t->len += len;
+        t->at[t->len] = '\0';
+    } else {
+        mu_text_cut(t, s, len);
+    }
+}
 
 /** Adds a string, or as much of it as fits. */
 static inline void mu_text_add(struct mu_text *t, const char *s)
 {
-    mu_text_add_bytes(t, s, strlen(s)); /* that of a constant is known */
+    mu_text_add_bytes(t, s, strlen(s)); /* of a constant it is known */
 }
 
 /** Adds len bytes of a stranger's text, for a terminal: "?" stands for each control character. */

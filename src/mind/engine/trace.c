@@ -24,15 +24,18 @@ static void line_end(struct mind *m, size_t start)
 /* Text of strangers: it stays in its line. */
 static void line_add(struct mu_text *out, const char *s)
 {
-    const char *from = s;
+    size_t len = strlen(s);
+    if (!memchr(s, '\n', len) && !memchr(s, '\r', len)) {
+        mu_text_add_bytes(out, s, len);
+        return;
+    }
     for (; *s; s++) {
         if (*s == '\n' || *s == '\r') {
-            mu_text_add_bytes(out, from, (size_t)(s - from));
             mu_text_add(out, *s == '\n' ? "\\n" : "\\r");
-            from = s + 1;
+        } else {
+            mu_text_add_bytes(out, s, 1);
         }
     }
-    mu_text_add_bytes(out, from, (size_t)(s - from));
 }
 
 /* Thousandths are more than a percept means, and take a tenth of the time of 17 digits. */

@@ -22,24 +22,24 @@ static const long double tens[] = {1e0L,  1e1L,  1e2L,  1e3L,  1e4L,  1e5L,  1e6
                                    1e7L,  1e8L,  1e9L,  1e10L, 1e11L, 1e12L, 1e13L,
                                    1e14L, 1e15L, 1e16L, 1e17L, 1e18L, 1e19L, 1e20L};
 
+static const char *digits_add(const char *at, const char *end, uint64_t *digits)
+{
+    for (; at < end && *at >= '0' && *at <= '9'; at++) {
+        *digits = *digits * 10 + (uint64_t)(*at - '0');
+    }
+    return at;
+}
+
 /* @return the digits of a word without its sign as an integer, 0: another form; and how many of
  * them stand behind the point */
 static uint64_t digits_read(const char *at, const char *end, int *places)
 {
     uint64_t digits = 0;
-    int count = 0;
-    const char *point = NULL;
-    for (; at < end; at++) {
-        if (*at == '.' && !point) {
-            point = at;
-        } else if (*at >= '0' && *at <= '9' && ++count <= READ_DIGITS) {
-            digits = digits * 10 + (uint64_t)(*at - '0');
-        } else {
-            return 0;
-        }
-    }
-    *places = point ? (int)(end - point) - 1 : 0;
-    return digits;
+    const char *point = digits_add(at, end, &digits);
+    bool has_point = point < end && *point == '.';
+    bool whole = digits_add(point + has_point, end, &digits) == end;
+    *places = (int)(end - point) - has_point;
+    return whole && end - at - has_point <= READ_DIGITS ? digits : 0;
 }
 
 bool number_read(const char *at, size_t len, double *x)
@@ -65,13 +65,18 @@ static uint64_t digits_of(double size, int *exponent)
         e++;
     }
     long double scaled = size * tens[PRINT_DIGITS - 1 - e];
-    uint64_t digits = (uint64_t)scaled;
-    long double above_half = scaled - (long double)digits - 0.5L; /* exact */
-    digits += above_half > 0;
-    bool sure = fabsl(above_half) > scaled * EPSILON && /* the product has half of it */
+    uint64_t digits = (uint64_t)llrintl(scaled);
+    long double cut = fabsl(scaled - (long double)digits); /* exact */
+    bool sure = 0.5L - cut > scaled * EPSILON &&           /* the product has half of it */
                 digits >= (uint64_t)tens[PRINT_DIGITS - 1] && digits < (uint64_t)tens[PRINT_DIGITS];
     *exponent = e;
     return sure ? digits : 0;
+}
+
+static void pair_print(char *to, uint32_t below_100)
+{
+    to[0] = (char)('0' + below_100 / 10);
+    to[1] = (char)('0' + below_100 % 10);
 }
 
 /* Writes digits with a point before place `point` of them, without zeros at the end.  @return
@@ -81,9 +86,9 @@ static bool digits_print(char *to, uint64_t digits, int point)
     char all[PRINT_DIGITS - EXPONENT_MIN] = "0000";
     int zeros = point < 1 ? 1 - point : 0, count = zeros + PRINT_DIGITS;
     uint32_t last = (uint32_t)(digits % HALF), first = (uint32_t)(digits / HALF);
-    for (int i = 1; i <= HALF_DIGITS; i++, last /= 10, first /= 10) { /* both at a time */
-        all[count - i] = (char)('0' + last % 10);
-        all[count - HALF_DIGITS - i] = (char)('0' + first % 10);
+    for (int at = count - 2; at >= count - HALF_DIGITS; at -= 2, last /= 100, first /= 100) {
+        pair_print(all + at, last % 100); /* four digits at a time */
+        pair_print(all + at - HALF_DIGITS, first % 100);
     }
     all[zeros] = (char)('0' + first);
     point += zeros;

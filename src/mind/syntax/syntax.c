@@ -326,10 +326,12 @@ struct syntax_field syntax_read_field(const char **at)
     if (**at == '"') {
         return field_string(at);
     }
-    while (is_of_field(**at)) {
-        (*at)++;
+    const char *end = f.at;
+    while (is_of_field(*end)) {
+        end++;
     }
-    f.len = (size_t)(*at - f.at);
+    f.len = (size_t)(end - f.at);
+    *at = end;
     if (f.len > 2 && f.at[0] == '[' && f.at[f.len - 1] == ']') {
         f.kind = SYNTAX_FIELD_INSTANCE;
         f.at++;
