@@ -16,8 +16,9 @@
  * writer is no sample, and not every listener hears of it. */
 static const uint64_t LOOK_NS = 20000000;
 
-/* Who has written and does not wait need not ask the system again so soon after nothing was there:
- * a program that spins after each mail of many would be as busy with that as with the mail. */
+/* A program that has written and does not wait need not ask the system again so soon after nothing
+ * was there: one that spins after each mail of many would be as busy with that as with the mail.
+ * One with a poll loop of its own comes because something is there. */
 static const uint64_t QUIET_NS = 20000;
 
 /* A socket that has brought a sample of so many pairs, one after another, will do so again. */
@@ -200,7 +201,7 @@ bool bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
     if (timeout_ns > 0) {
         return samples_await(bus, samples, bus->waited_ns + (uint64_t)timeout_ns);
     }
-    if (!bus->wrote || bus->waited_ns - bus->quiet_ns > QUIET_NS) {
+    if (!bus->wrote || bus->wakes || bus->waited_ns - bus->quiet_ns > QUIET_NS) {
         bus_arrivals_poll(bus, 0);
     }
     bus->wrote = false;

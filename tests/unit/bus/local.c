@@ -50,6 +50,7 @@ struct scene {
     rlim_t files; /* 0: as many as there are */
     bool stands;  /* it stands still at first */
     bool pairs;   /* it waits for two samples at once, and longer */
+    bool echoes;  /* it writes steps, too, to "p2" */
 };
 
 static struct bus bus;
@@ -90,11 +91,13 @@ static void side_live(int domain, const struct scene *scene, int orders, int wor
 {
     static struct bus there;
     static struct bus_reader reader;
+    static struct bus_writer echo;
     struct bus_options options = {
         .domain = domain, .place = BUS_BROKER, .name = "reader", .local = scene->local};
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (bus_open(&there, &options) != MU_OK ||
-        bus_reader_open(&there, scene->topic, "p1", &reader) != MU_OK) {
+        bus_reader_open(&there, scene->topic, "p1", &reader) != MU_OK ||
+        (scene->echoes && bus_writer_open(&there, BUS_SENSE, "p2", NULL, &echo) != MU_OK)) {
         _exit(1);
     }
     const struct word up = {.whole = true};
@@ -114,6 +117,11 @@ static void side_live(int domain, const struct scene *scene, int orders, int wor
         if (order == 'g') {
             bus_wait(&there, scene->pairs ? 2 : 1, scene->pairs ? PAIR_NS : WAIT_NS);
             words_say(&reader, words);
+        }
+        if (scene->echoes) {
+            muster_Sense sense = {.process = (char[]){"p2"}};
+            mu_result echoed = bus_write(&echo, &sense);
+            (void)echoed;
         }
     }
 }
@@ -413,6 +421,27 @@ static void test_steps_that_nobody_took_are_passed_over(void)
     scene_end(&s);
 }
 
+static void test_who_writes_and_never_waits_hears(void)
+{
+    static const struct scene scene = {.local = "on", .topic = BUS_DELIVERY, .echoes = true};
+    struct side s = scene_begin(&scene, 1);
+    CU_ASSERT_EQUAL_FATAL(bus_reader_open(&bus, BUS_SENSE, "p2", &own), MU_OK);
+    uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
+    unsigned heard = 0;
+    enum bus_life life;
+    struct word w;
+    for (int64_t step = 1; heard < 100 && mu_clock_ns() < until_ns; step++) {
+        (void)step_try(&scene, step, 0);
+        bus_wait(&bus, 1, 0);
+        heard += bus.local_frames > 0;
+        while (bus_next(&own, &life)) {
+        }
+        (void)word_get(&s, &w, 0); /* or its pipe is full */
+    }
+    CU_ASSERT_EQUAL(heard, 100);
+    scene_end(&s);
+}
+
 static void test_who_has_no_descriptor_left_stays_with_dds(void)
 {
     struct scene full = {.local = "on", .topic = BUS_DELIVERY, .files = 64};
@@ -599,6 +628,7 @@ int main(void)
         {"back pressure", test_who_does_not_read_makes_the_writer_wait},
         {"killed", test_who_is_killed_leaves_no_half_sample},
         {"newest step", test_steps_that_nobody_took_are_passed_over},
+        {"one that writes and never waits hears", test_who_writes_and_never_waits_hears},
         {"no descriptor", test_who_has_no_descriptor_left_stays_with_dds},
         {"too late", test_who_answers_too_late_stays_with_dds},
         {"strangers", test_strangers_harm_nobody},
