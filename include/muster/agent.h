@@ -241,8 +241,8 @@ MU_MUST_USE mu_result mu_process_open_built(mu_process **out,
 void mu_process_close(mu_process *p);
 
 /**
- * Waits for at most timeout_ns and handles samples that have arrived.  A program that sends before
- * each spin, and does not wait, hears of them within 20 us.
+ * Waits for at most timeout_ns and handles samples that have arrived.  Without a wait, a spin that
+ * follows a send looks for them if the last look is 20 us ago.
  *
  * @return MU_OK; MU_DONE when the run is over; MU_BUSY: a handler called it, and nothing is done;
  *         MU_FAULT_DDS; MU_FAULT_USAGE: in a child of the program that opened it

@@ -89,7 +89,7 @@ struct bus {
     _Atomic bool wakes;          /* a caller has asked for wake_fd: each arrival is news to it */
     uint64_t waited_ns;          /* when bus_wait last looked at the clock */
     uint64_t quiet_ns;           /* when nothing was there to read or write; 0: something was */
-    bool wrote;                  /* since bus_wait */
+    bool wrote;                  /* a sample that sockets may take, since bus_wait */
     int poll_fd;                 /* an epoll of all that brings samples: */
     int note_fd;                 /* an eventfd that listeners write to, and sockets (local.h) */
     bool local;                  /* there may be sockets */
@@ -263,7 +263,8 @@ void *bus_keep(struct bus_reader *reader, void *spare);
  * waking costs more than anything else in a step.
  *
  * @param samples     how many, in all readers together; 0: one more than lie there now
- * @param timeout_ns  at most so long, by the monotonic clock; < 0: 0
+ * @param timeout_ns  at most so long, by the monotonic clock; < 0: 0.  With 0, after a write, it does
+ *                    not look at sockets that had nothing in the last 20 us
  * @return whether that many lie there
  */
 bool bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns);

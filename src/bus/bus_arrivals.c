@@ -195,15 +195,16 @@ static bool samples_await(struct bus *bus, uint64_t samples, uint64_t until_ns)
 
 bool bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns)
 {
+    bool wrote = bus->wrote;
+    bus->wrote = false;
     samples = samples > 0 ? samples : samples_there(bus) + 1;
     local_match(bus);
     bus->waited_ns = mu_clock_ns();
     if (timeout_ns > 0) {
         return samples_await(bus, samples, bus->waited_ns + (uint64_t)timeout_ns);
     }
-    if (!bus->wrote || bus->wakes || bus->waited_ns - bus->quiet_ns > QUIET_NS) {
+    if (!wrote || bus->wakes || bus->waited_ns - bus->quiet_ns > QUIET_NS) {
         bus_arrivals_poll(bus, 0);
     }
-    bus->wrote = false;
     return samples_there(bus) >= samples;
 }

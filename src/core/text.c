@@ -24,7 +24,7 @@ void mu_text_clear(struct mu_text *t)
     mu_text_init(t, t->at, t->size);
 }
 
-void mu_text_cut(struct mu_text *t, const char *s, size_t len)
+void mu_text_add_cut(struct mu_text *t, const char *s, size_t len)
 {
     size_t room = t->size - t->len - 1;
     MU_ASSERT(len > room);

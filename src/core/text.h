@@ -28,8 +28,8 @@ void mu_text_init(struct mu_text *t, char *buffer, size_t size);
 /** Empties it. */
 void mu_text_clear(struct mu_text *t);
 
-/** Adds as much as fits of len bytes that do not all fit. */
-void mu_text_cut(struct mu_text *t, const char *s, size_t len);
+/** Adds as much as fits of len bytes, which must not all fit. */
+void mu_text_add_cut(struct mu_text *t, const char *s, size_t len);
 
 /** Adds len bytes of a string, or as many as fit. */
 static inline void mu_text_add_bytes(struct mu_text *t, const char *s, size_t len)
@@ -39,7 +39,7 @@ static inline void mu_text_add_bytes(struct mu_text *t, const char *s, size_t le
         t->len += len;
         t->at[t->len] = '\0';
     } else {
-        mu_text_cut(t, s, len);
+        mu_text_add_cut(t, s, len);
     }
 }
 

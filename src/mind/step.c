@@ -83,7 +83,7 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act)
     output_of(m)->act.rules = m->fired.at;
     trace_agenda(m);
     (void)mind_leave(m);
-    warm_end(m);
+    prefetch_end(m);
     *act = output_of(m)->act;
     output_of(m)->act = (struct mind_act){.drives = false};
 }
@@ -92,10 +92,10 @@ void mind_fire_some(struct mind *m, uint32_t most, struct mind_act *act)
 static void percept_sense(struct mind *m, const struct mu_percept *percept, uint64_t time_ns)
 {
     inputs_of(m)->step++;
-    warm_begin(m);
     if (!MIND_ENTER(m, STATE_SENSE)) {
         return;
     }
+    (void)prefetch_begin(m);
     EnvIncrementGCLocks(m->env); /* no garbage collection before the fields stand in a fact */
     trace_cause(m, 'S', "", "");
     if (percept) {

@@ -185,7 +185,7 @@ mu_result outbox_put(struct outbox *box, const char *src, const struct mu_mail *
         return MU_FULL;
     }
     char *end = strings_copy(&s, at, copy);
-    struct outbox_slot *slot = slot_of(box, box->next_seq);
+    struct outbox_slot *slot = slot_of(box, box->next_seq); /* filled in place: no copy is made */
     wire_mail(&slot->mail, box, mail, copy);
     slot->text_end = (size_t)(end - box->text);
     slot->confirmed = slot->ended = slot->sent = false;

@@ -84,7 +84,7 @@ struct source_lines; /* source_lines.c */
 enum {
     HEAP_SIZES = 24, /* sizes of small blocks: 8, 16, ... bytes */
     HEAP_PARTS = 20, /* of larger ones: a page, or a half of it, or a third, ... */
-    HEAP_KNOWN = 256 /* pages that warm.c knows by number, 0 to 255 */
+    HEAP_KNOWN = 256 /* pages that have numbers, for prefetch.c: 0 to 255 */
 };
 
 /* The memory of an environment: heap.c. */
@@ -93,8 +93,9 @@ struct heap {
         *pages[HEAP_SIZES + HEAP_PARTS]; /* with room, by kind of block */
     size_t held;                         /* bytes in all blocks */
     char *known[HEAP_KNOWN];             /* pages by number; NULL: it was given back */
-    uint32_t opened, spare;              /* numbers that were given; one that is free, or opened */
-    uint64_t shape;                      /* a hash of the sizes of blocks in the pages */
+    uint32_t numbers, spares;            /* that were used so far; of them, those that are free: */
+    uint16_t spare[HEAP_KNOWN];
+    uint64_t shape; /* a hash of the sizes of blocks in the pages that were opened */
 };
 
 /* Globals that C code reads; environment.c has their names and first values. */
@@ -123,7 +124,8 @@ struct mind {
     uint64_t refused_calls; /* of a mind without rules */
     void *env;
     struct heap heap;
-    uint64_t shape; /* that the heap had when the first step began; 0: none has */
+    struct prefetch *prefetch; /* prefetch.c; NULL: none */
+    bool stepped;              /* its first step has begun */
     struct mind_options options;
     char name[MU_NAME_MAX + 1], folder[PATH_MAX], file[PATH_MAX]; /* that the options point to */
     struct defglobal *globals[ENVIRONMENT_NUMBERS];
@@ -257,12 +259,16 @@ void heap_make(struct mind *m);
 /** Gives back all memory of the environment, whatever its contents. */
 void heap_drop(struct mind *m);
 
-/* warm.c */
+/* prefetch.c */
 
-/** A step begins: asks for the memory that it will use.  It has ended.  The mind goes. */
-void warm_begin(struct mind *m);
-void warm_end(struct mind *m);
-void warm_forget(const struct mind *m);
+/** Asks for the memory that a step uses, when it begins.  @return how many lines of the cache */
+uint32_t prefetch_begin(struct mind *m);
+
+/** The step has ended. */
+void prefetch_end(const struct mind *m);
+
+/** The environment of the mind goes. */
+void prefetch_forget(struct mind *m);
 
 /* budget.c */
 

@@ -84,11 +84,10 @@ static void heap_unlink(struct heap_item *item)
 
 static uint32_t heap_number(struct heap *h, void *page, uint32_t size)
 {
-    uint32_t number = h->spare;
+    uint32_t number = h->spares > 0 ? h->spare[--h->spares] : h->numbers;
     if (number < HEAP_KNOWN) {
         h->known[number] = page;
-        h->opened += number == h->opened;
-        h->spare = h->opened;
+        h->numbers += number == h->numbers;
     }
     h->shape = (h->shape + size) * 0x9e3779b97f4a7c15;
     return number;
@@ -151,7 +150,7 @@ static void heap_give_shared(struct heap *h, void *block, size_t bytes)
     if (page->used == 0) {
         if (page->number < HEAP_KNOWN) {
             h->known[page->number] = NULL;
-            h->spare = page->number;
+            h->spare[h->spares++] = (uint16_t)page->number;
         }
         pages_give(page);
     } else if (full) {
@@ -227,8 +226,7 @@ void heap_drop(struct mind *m)
     struct heap *h = &m->heap;
     bool much = h->held > HEAP_MUCH;
     m->env = NULL;
-    warm_forget(m);
-    m->shape = 0;
+    prefetch_forget(m);
     heap_drop_list(h->large, free);
     heap_drop_list(h->full, pages_give);
     for (size_t i = 0; i < HEAP_SIZES + HEAP_PARTS; i++) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One quotient or product of long doubles, with its bound of error: if both ends of what it may be
- * round to the same result, that is the right one.  If not, the C library does it.  A long double
- * of 53 bits is never sure, so nothing depends on how many it has. */
+/* One quotient or product of long doubles, with its bound of error.  Where all that it may be
+ * rounds to one result, that is the right one; else the C library does it.  A long double of 53
+ * bits is never sure, so nothing depends on how many it has. */
 #include "mind/syntax/number.h"
 
 #include <float.h>
@@ -85,7 +85,7 @@ static bool digits_print(char *to, uint64_t digits, int point)
 {
     char all[PRINT_DIGITS - EXPONENT_MIN] = "0000";
     int zeros = point < 1 ? 1 - point : 0, count = zeros + PRINT_DIGITS;
-    uint32_t last = (uint32_t)(digits % HALF), first = (uint32_t)(digits / HALF);
+    uint32_t last = (uint32_t)(digits % HALF), first = (uint32_t)(digits / HALF); /* 8, and 9 */
     for (int at = count - 2; at >= count - HALF_DIGITS; at -= 2, last /= 100, first /= 100) {
         pair_print(all + at, last % 100); /* four digits at a time */
         pair_print(all + at - HALF_DIGITS, first % 100);

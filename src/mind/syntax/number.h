@@ -18,7 +18,8 @@
  */
 bool number_read(const char *at, size_t len, double *x);
 
-/** Prints as "%.17g" does.  @return whether it is digits alone, as a whole number would be */
+/** Prints as "%.17g" does.  @return whether there are only digits, and a sign: CLIPS
+ * would take that for an INTEGER */
 bool number_print(char to[static NUMBER_MAX], double x);
 
 #endif

@@ -52,8 +52,10 @@ static void test_many(void)
  */
 static void test_edges(void)
 {
-    static const double others[] = {0.0,     -0.0,     1e-5,   1e300,  DBL_MIN,
-                                    DBL_MAX, HUGE_VAL, 9.5e-5, 5e-324, 0x1.8p49};
+    static const double others[] = {0.0, -0.0, 1e-5, 1e300, DBL_MIN, DBL_MAX, HUGE_VAL, 9.5e-5,
+                                    5e-324, 0x1.8p49,
+                                    /* a half of the last digit, upwards and downwards to even */
+                                    1 + 0x1p-17, -1 - 0x1p-17, 1 + 0x3p-17};
     wrong = 0;
     for (int e = -6; e < 18; e++) {
         double x = pow(10, e);

@@ -7,7 +7,7 @@
 
 #include <CUnit/Basic.h>
 
-enum { MINDS = 60, STEPS = 60, SONARS = 16, LEAVES_AT = 30 };
+enum { MINDS = 140, STEPS = 60, SONARS = 16, LEAVES_AT = 17, FEW = 30 };
 
 static struct mind *minds[MINDS];
 static struct mind_act alone[STEPS];
@@ -45,9 +45,10 @@ static struct mind_act step_make(struct mind *m, uint64_t step)
                                  .forward_m_s = 0.2,
                                  .sonar_count = SONARS,
                                  .sonar_m = sonar_m};
-    struct mind_act act;
+    struct mind_act act, second;
     mind_percept(m, &percept);
     mind_fire(m, &act);
+    mind_fire(m, &second); /* measures nothing */
     return act;
 }
 
@@ -60,8 +61,8 @@ static bool acts_are_same(const struct mind_act *a, const struct mind_act *b)
 /* Known pages are pages, none of which is known twice. */
 static bool pages_are_known(const struct heap *h)
 {
-    uint32_t wrong = h->opened > HEAP_KNOWN || h->spare > HEAP_KNOWN;
-    for (uint32_t i = 0; i < h->opened; i++) {
+    uint32_t wrong = h->numbers > HEAP_KNOWN || h->spares > h->numbers;
+    for (uint32_t i = 0; i < h->numbers; i++) {
         for (uint32_t j = 0; j < i; j++) {
             wrong += h->known[i] && h->known[i] == h->known[j];
         }
@@ -70,7 +71,7 @@ static bool pages_are_known(const struct heap *h)
     return wrong == 0;
 }
 
-/* The first one, which measures for all, is gone in the middle of it. */
+/* The first ones are gone after some steps, and their pages are others'. */
 static void test_many_do_what_one_does(void)
 {
     struct mind *one = mind_make();
@@ -83,23 +84,49 @@ static void test_many_do_what_one_does(void)
     }
     unsigned other = 0;
     for (uint64_t s = 0; s < STEPS; s++) {
-        for (size_t i = s > LEAVES_AT ? 1 : 0; i < MINDS; i++) {
+        for (size_t i = s > LEAVES_AT ? FEW : 0; i < MINDS; i++) {
             struct mind_act act = step_make(minds[i], s);
             other += !acts_are_same(&act, &alone[s]);
         }
-        if (s == LEAVES_AT) {
-            mind_close(minds[0]);
+        for (size_t i = 0; s == LEAVES_AT && i < FEW; i++) {
+            mind_close(minds[i]);
         }
     }
     CU_ASSERT_EQUAL(other, 0);
-    CU_ASSERT(pages_are_known(&minds[1]->heap));
+    CU_ASSERT(pages_are_known(&minds[FEW]->heap));
+}
+
+/* How many lines they ask for then. */
+static void test_what_they_use_is_known(void)
+{
+#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
+    CU_ASSERT_FATAL(pages_chunks() >= 16); /* prefetch.c */
+    uint32_t lines = prefetch_begin(minds[MINDS - 1]);
+    CU_ASSERT(lines > 100 && lines < 2000);
+#endif
+}
+
+/* A mind of other rules has pages that are used for other things. */
+static void test_other_rules_are_others(void)
+{
+    struct mind *m = NULL;
+    struct mu_fault fault = {.text = ""};
+    struct mind_options options = {
+        .read = mu_text_file_read, .name = "red", .seed = 1, .ports = {.send = post}};
+    CU_ASSERT_EQUAL_FATAL(mind_open(&m, &options, &fault), MU_OK);
+    (void)step_make(m, 1);
+    CU_ASSERT(m->prefetch != minds[MINDS - 1]->prefetch);
+    mind_close(m);
+    CU_ASSERT_PTR_NULL(m->prefetch);
 }
 
 int main(void)
 {
     CU_TestInfo tests[] = {
         {"many minds do what one does", test_many_do_what_one_does},
+        {"what they use is known", test_what_they_use_is_known},
+        {"other rules are others", test_other_rules_are_others},
         CU_TEST_INFO_NULL,
     };
-    return suite_run("mind/warm", tests);
+    return suite_run("mind/prefetch", tests);
 }
