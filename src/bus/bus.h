@@ -263,8 +263,8 @@ void *bus_keep(struct bus_reader *reader, void *spare);
  * waking costs more than anything else in a step.
  *
  * @param samples     how many, in all readers together; 0: one more than lie there now
- * @param timeout_ns  at most so long, by the monotonic clock; < 0: 0.  With 0, after a write, it does
- *                    not look at sockets that had nothing in the last 20 us
+ * @param timeout_ns  at most so long, by the monotonic clock; < 0: 0.  With 0, after a write, it
+ *                    does not look at sockets that had nothing in the last 20 us
  * @return whether that many lie there
  */
 bool bus_wait(struct bus *bus, uint64_t samples, int64_t timeout_ns);
