@@ -25,7 +25,7 @@ struct heap_item {
 };
 
 struct heap_page {
-    struct heap_item item;
+    _Alignas(HEAP_STEP) struct heap_item item; /* as the blocks behind it */
     void *free;              /* blocks that were given back, each of which points to the next */
     uint32_t used, cut, end; /* blocks in use; bytes cut from the page so far, and at most */
     uint32_t number;         /* HEAP_KNOWN: it has none */
