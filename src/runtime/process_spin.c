@@ -11,8 +11,8 @@
  * broker that its writer lives. */
 static const uint64_t HEARTBEAT_NS = 300000000;
 
-/* And so often while it speaks to its broker. */
-static const uint64_t HEARTBEAT_SPEAKING_NS = 1000000000;
+/* And so often while it speaks to its broker, which calls the roll when it has missed it. */
+static const uint64_t HEARTBEAT_SPEAKING_NS = 3000000000;
 
 /* While something has not matched yet, or the network is busy, look again this often. */
 static const int64_t IMPATIENT_NS = 2000000;

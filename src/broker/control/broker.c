@@ -241,6 +241,9 @@ void broker_up(struct broker *b, const muster_Up *up, uint64_t now_ns)
     if (effect == STEPS_IGNORED) {
         return;
     }
+    if (processes_is_silent(&b->processes.at[place])) { /* it was missed, and lives */
+        processes_call_roll(&b->processes, place);
+    }
     steps_open_turn(&b->steps);
     acks_take(b, place, up);
     for (uint32_t i = 0; i < up->acts._length && b->processes.at[place].kind != PROCESS_BROKER;

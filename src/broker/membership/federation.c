@@ -98,8 +98,7 @@ static uint32_t process_hear(struct broker *b, struct peer *p)
     at->incarnation = p->incarnation;
     if (p->state != PEER_THERE ||
         processes_is_silent(at)) { /* what it said while it was not heard */
-        at->roll_call_due = true;
-        processes_wake(&b->processes, place);
+        processes_call_roll(&b->processes, place);
     }
     processes_session_on(&b->processes, place, SESSION_HEARD);
     (void)remote_peer_on(&b->federation, p, PEER_ANNOUNCES);

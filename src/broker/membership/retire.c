@@ -226,8 +226,7 @@ static void missed_ask(struct broker *b)
         const struct peer *p = &b->federation.peers[i];
         uint32_t place = p->state == PEER_THERE ? processes_find(&b->processes, p->place) : MU_NONE;
         if (place != MU_NONE) {
-            b->processes.at[place].roll_call_due = true;
-            processes_wake(&b->processes, place);
+            processes_call_roll(&b->processes, place);
         }
     }
     b->federation.missed = false;

@@ -173,6 +173,12 @@ void processes_wake(struct processes *p, uint32_t place)
     (void)mu_list_append(&p->queue, MU_LINKS(p->at, queued), place);
 }
 
+void processes_call_roll(struct processes *p, uint32_t place)
+{
+    p->at[place].roll_call_due = true;
+    processes_wake(p, place);
+}
+
 uint32_t processes_next(struct processes *p)
 {
     uint32_t place = mu_list_take(&p->queue, MU_LINKS(p->at, queued));

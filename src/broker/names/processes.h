@@ -147,6 +147,9 @@ void processes_accept(struct processes *p, uint32_t place, const char *name);
 /** Puts a process into the queue of those that may have something to be told. */
 void processes_wake(struct processes *p, uint32_t place);
 
+/** Has a process say all its parts again. */
+void processes_call_roll(struct processes *p, uint32_t place);
+
 /** Takes the first one out of the queue.  @return MU_NONE when it is empty */
 uint32_t processes_next(struct processes *p);
 

@@ -195,6 +195,28 @@ static void test_who_was_lost_is_called(void)
     CU_ASSERT_EQUAL(got.welcomes, 100 - MU_PART_AGENTS);
 }
 
+/* It need not wait for a heartbeat of one that speaks. */
+static void test_who_was_missed_and_speaks_is_called(void)
+{
+    story_begin();
+    story_join("red");
+    story_join("blue");
+    (void)story_collect();
+    story_send("red", 1, "blue", "here");
+    CU_ASSERT_PTR_NULL(strstr(story_collect(), "roll call"));
+    story_gone("p-red");
+    CU_ASSERT_PTR_NULL(strstr(story_collect(), "roll call"));
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-red");
+    story_send("red", 2, "blue", "still here");
+    CU_ASSERT_PTR_NOT_NULL(strstr(story_collect(), "roll call"));
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red absent p-red"); /* until it answers */
+    story_register("red", "p-red");
+    CU_ASSERT_STRING_EQUAL(story_member("red"), "red running p-red");
+    (void)story_collect();
+    story_send("red", 3, "blue", "back");
+    CU_ASSERT_PTR_NULL(strstr(story_collect(), "roll call"));
+}
+
 static void test_bad_names_hurt_nobody_else(void)
 {
     static char long_name[10001];
@@ -382,6 +404,7 @@ int main(void)
         {"an agent leaves its slot", test_an_agent_leaves_its_slot},
         {"a part is taken back", test_a_part_is_taken_back},
         {"who was lost is called", test_who_was_lost_is_called},
+        {"who was missed and speaks is called", test_who_was_missed_and_speaks_is_called},
         {"bad names hurt nobody else", test_bad_names_hurt_nobody_else},
         {"limit: refusals", test_limit_refusals},
         {"limit: parts", test_limit_parts},

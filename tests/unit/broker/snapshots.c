@@ -550,8 +550,8 @@ static void test_both_die(void)
     say("p-south", "", muster_STEP_NOW, wanted);
     EXPECT(""); /* somebody may take it back yet */
     story_tick(2 * S);
-    say("p-north", "", muster_STEP_NOW, wanted); /* not who it says it is */
-    EXPECT("");
+    say("p-north", "", muster_STEP_NOW, wanted); /* not who it says it is, and was missed */
+    EXPECT("roll call");
     say("p-south", "", muster_STEP_NOW, wanted);
     EXPECT("p-south: red arrive 1 capsule");
     say("p-south", "", muster_STEP_NOW, wanted);

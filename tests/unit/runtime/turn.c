@@ -352,6 +352,32 @@ static void test_who_has_left_is_nothing_to_the_next_broker(void)
     mu_process_close(process);
 }
 
+/* Its broker has other signs of its life. */
+static void test_one_that_speaks_says_less_often_that_it_is_there(void)
+{
+    struct bus_reader registrations = {.bus = NULL};
+    struct mu_mail word = {.dst = "blue", .content = "here"};
+    begin();
+    CU_ASSERT_EQUAL_FATAL(
+        bus_reader_open_deep(&process->bus, BUS_REGISTRATION, NULL, 64, &registrations), MU_OK);
+    CU_ASSERT_EQUAL(mu_agent_send(red, &word, NULL), MU_OK);
+    spin(3);
+    (void)said_to_be_there(&registrations);
+    for (int i = 0; i < 10; i++) { /* longer than one that is silent pauses */
+        CU_ASSERT_EQUAL(mu_agent_send(red, &word, NULL), MU_OK);
+        spin(5);
+    }
+    CU_ASSERT_EQUAL(said_to_be_there(&registrations), 0);
+    uint64_t silent_ns = mu_clock_ns();
+    unsigned said = 0;
+    while (said == 0 && mu_clock_ns() - silent_ns < PATIENCE_NS) {
+        spin(1);
+        said = said_to_be_there(&registrations);
+    }
+    CU_ASSERT_EQUAL(said, 1);
+    mu_process_close(process);
+}
+
 int main(void)
 {
     unsetenv("CYCLONEDDS_URI");
@@ -362,6 +388,7 @@ int main(void)
         {"the last mail", test_the_last_mail_of_an_earlier_lock_step},
         {"a step waits for what is to be seen", test_a_step_waits_for_what_is_to_be_seen},
         {"between two lock steps", test_between_two_lock_steps},
+        {"one that speaks", test_one_that_speaks_says_less_often_that_it_is_there},
         {"the next broker", test_who_has_left_is_nothing_to_the_next_broker},
         {"who moved", test_who_moved_in_lock_step_keeps_no_place},
         CU_TEST_INFO_NULL,
