@@ -13,6 +13,9 @@
 
 static const uint64_t PATIENCE_NS = 10000000000u;
 
+/* One that is silent says so often that it is there. */
+static const uint64_t SILENT_PAUSE_NS = 300000000;
+
 static mu_process *process;
 static mu_agent *red;
 static struct bus_writer beacons, deliveries, senses;
@@ -332,16 +335,26 @@ static unsigned said_to_be_there(struct bus_reader *registrations)
     return count;
 }
 
+static void say(const char *content)
+{
+    struct mu_mail word = {.dst = "blue", .content = content};
+    CU_ASSERT_EQUAL(mu_agent_send(red, &word, NULL), MU_OK);
+}
+
+static void begin_and_listen(struct bus_reader *registrations)
+{
+    begin();
+    CU_ASSERT_EQUAL_FATAL(
+        bus_reader_open_deep(&process->bus, BUS_REGISTRATION, NULL, 64, registrations), MU_OK);
+}
+
 /* Its last words were for a broker that has died: the next one, which hears none of them, does not
  * hear of it either. */
 static void test_who_has_left_is_nothing_to_the_next_broker(void)
 {
-    struct bus_reader registrations = {.bus = NULL};
-    struct mu_mail bye = {.dst = "blue", .content = "bye"};
-    begin();
-    CU_ASSERT_EQUAL_FATAL(
-        bus_reader_open_deep(&process->bus, BUS_REGISTRATION, NULL, 64, &registrations), MU_OK);
-    CU_ASSERT_EQUAL(mu_agent_send(red, &bye, NULL), MU_OK);
+    struct bus_reader registrations;
+    begin_and_listen(&registrations);
+    say("bye");
     mu_agent_set_state(red, MU_GONE);
     spin(3);
     (void)said_to_be_there(&registrations);
@@ -352,26 +365,47 @@ static void test_who_has_left_is_nothing_to_the_next_broker(void)
     mu_process_close(process);
 }
 
+static unsigned samples_take(struct bus_reader *reader)
+{
+    unsigned count = 0;
+    enum bus_life life;
+    while (bus_next(reader, &life)) {
+        count++;
+    }
+    return count;
+}
+
 /* Its broker has other signs of its life. */
 static void test_one_that_speaks_says_less_often_that_it_is_there(void)
 {
-    struct bus_reader registrations = {.bus = NULL};
-    struct mu_mail word = {.dst = "blue", .content = "here"};
-    begin();
-    CU_ASSERT_EQUAL_FATAL(
-        bus_reader_open_deep(&process->bus, BUS_REGISTRATION, NULL, 64, &registrations), MU_OK);
-    CU_ASSERT_EQUAL(mu_agent_send(red, &word, NULL), MU_OK);
-    spin(3);
-    (void)said_to_be_there(&registrations);
-    for (int i = 0; i < 10; i++) { /* longer than one that is silent pauses */
-        CU_ASSERT_EQUAL(mu_agent_send(red, &word, NULL), MU_OK);
-        spin(5);
-    }
-    CU_ASSERT_EQUAL(said_to_be_there(&registrations), 0);
-    uint64_t silent_ns = mu_clock_ns();
-    unsigned said = 0;
-    while (said == 0 && mu_clock_ns() - silent_ns < PATIENCE_NS) {
+    struct bus_reader registrations, ups;
+    begin_and_listen(&registrations);
+    CU_ASSERT_EQUAL_FATAL(bus_reader_open(&process->bus, BUS_UP, process->link.partition, &ups),
+                          MU_OK);
+    uint64_t began_ns = mu_clock_ns();
+    unsigned heard = 0;
+    while (heard == 0 && mu_clock_ns() - began_ns < PATIENCE_NS) {
+        say("here");
         spin(1);
+        heard += samples_take(&ups);
+    }
+    (void)said_to_be_there(&registrations);
+    began_ns = mu_clock_ns();
+    unsigned said = 0;
+    for (uint64_t mails = 0; mails < 12; spin(1)) {
+        if (mu_clock_ns() - began_ns >= mails * SILENT_PAUSE_NS / 6) {
+            say("here");
+            mails++;
+        }
+        said += said_to_be_there(&registrations);
+        heard += samples_take(&ups);
+    }
+    CU_ASSERT_TRUE(heard > 1);
+    CU_ASSERT_EQUAL(said, 0);
+    began_ns = mu_clock_ns(); /* it is silent */
+    while (said == 0 && mu_clock_ns() - began_ns < PATIENCE_NS) {
+        spin(1);
+        (void)samples_take(&ups);
         said = said_to_be_there(&registrations);
     }
     CU_ASSERT_EQUAL(said, 1);
