@@ -88,6 +88,8 @@ struct bus {
     _Atomic uint64_t wanted;     /* bus_wait wakes when so many are there; 0: no thread waits */
     _Atomic bool wakes;          /* a caller has asked for wake_fd: each arrival is news to it */
     uint64_t waited_ns;          /* when bus_wait last looked at the clock */
+    uint64_t usual_ns;           /* for how long bus_wait has waited, on average */
+    uint64_t rested_ns;          /* when it may stay awake again */
     uint64_t quiet_ns;           /* when nothing was there to read or write; 0: something was */
     bool wrote;                  /* a sample that sockets may take, since bus_wait */
     int poll_fd;                 /* an epoll of all that brings samples: */

@@ -22,6 +22,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -263,6 +264,61 @@ static void test_waiting(void)
     bus_wait(&bus, 3, 20000000);
     CU_ASSERT(mu_clock_ns() - began_ns >= 20000000);
     expect_steps(&to_p1, 1, 2);
+}
+
+static uint64_t thread_used_ns(void)
+{
+    struct timespec used;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
+    return (uint64_t)used.tv_sec * 1000000000 + (uint64_t)used.tv_nsec;
+}
+
+/* @return the processor time of a wait that brings nothing */
+static uint64_t vain_wait_used_ns(int64_t timeout_ns)
+{
+    uint64_t before_ns = thread_used_ns();
+    CU_ASSERT_FALSE(bus_wait(&bus, 2, timeout_ns));
+    return thread_used_ns() - before_ns;
+}
+
+/* @return in how many waits of 20 us, which bring nothing, this thread has left the processor */
+static long sleeps_in_short_waits(int count)
+{
+    struct rusage before, after;
+    getrusage(RUSAGE_THREAD, &before);
+    for (int i = 0; i < count; i++) {
+        bus.usual_ns = bus.rested_ns = 0; /* whatever else runs here */
+        CU_ASSERT_FALSE(bus_wait(&bus, 2, 20000));
+    }
+    getrusage(RUSAGE_THREAD, &after);
+    return after.ru_nvcsw - before.ru_nvcsw;
+}
+
+/* With a sample there a wait for one takes no time, and one for two is in vain. */
+static void test_waits_that_are_short_stay_awake_for_a_moment(void)
+{
+    enum { MANY = 60 };
+    static const uint64_t SOON_NS = 60000, REST_NS = 200000000;
+    expect_nothing(&to_p1);
+    muster_Delivery d = delivery(1);
+    CU_ASSERT_EQUAL(bus_write(&writer, &d), MU_OK);
+    CU_ASSERT_TRUE(bus_wait(&bus, 1, (int64_t)PATIENCE_NS));
+    for (int i = 0; i < MANY; i++) { /* in vain, and asleep */
+        CU_ASSERT_FALSE(bus_wait(&bus, 2, 1000000));
+    }
+    CU_ASSERT(bus.usual_ns > SOON_NS);
+    for (int i = 0; i < MANY; i++) {
+        CU_ASSERT_TRUE(bus_wait(&bus, 1, (int64_t)PATIENCE_NS));
+    }
+    CU_ASSERT(bus.usual_ns < SOON_NS);
+    CU_ASSERT(sleeps_in_short_waits(MANY) < MANY / 2);
+    CU_ASSERT(vain_wait_used_ns((int64_t)REST_NS) < REST_NS / 2); /* awake for a part of it */
+    CU_ASSERT(bus.usual_ns > 0);
+    for (int i = 0; i < MANY; i++) {
+        CU_ASSERT_FALSE(bus_wait(&bus, 2, 1000000));
+    }
+    CU_ASSERT(bus.usual_ns > SOON_NS);
+    expect_steps(&to_p1, 1, 1);
 }
 
 static bool is_readable(int fd, int timeout_ms)
@@ -539,6 +595,8 @@ int main(void)
         {"what breaks a rule is dropped and counted",
          test_what_breaks_a_rule_is_dropped_and_counted},
         {"waiting", test_waiting},
+        {"waits that are short stay awake for a moment",
+         test_waits_that_are_short_stay_awake_for_a_moment},
         {"a descriptor wakes a poll loop", test_a_descriptor_wakes_a_poll_loop},
         {"samples as bytes", test_samples_as_bytes},
         {"bytes as samples", test_bytes_as_samples},
