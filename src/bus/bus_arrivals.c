@@ -25,10 +25,10 @@ static const uint64_t QUIET_NS = 20000;
 /* A wake of a processor that has halted takes some 25 us: that of the other side, and then one's
  * own; by DDS twice as many.  So a thread whose waits have been as short on average stays awake for
  * so long, and spares its own. */
-static const uint64_t SOON_NS = 60000, SOON_BY_DDS_NS = 200000;
+static const uint64_t SOON_NS = 60000, SOON_BY_DDS_NS = 300000;
 
 /* A wait counts as so long at most, and as that if it brings nothing. */
-static const uint64_t LONG_NS = 300000;
+static const uint64_t LONG_NS = 600000;
 
 /* A thread that stays awake, yields the processor and gets it back so late is not alone with it. It
  * has lost a slice of time to the other one, and does not stay awake for so many times that. */
