@@ -123,14 +123,23 @@ static const char *presence_interval(const struct bus_options *options)
 /* How much of what its readers have not acknowledged a writer keeps: beyond that it writes nothing.
  *
  * A broker keeps so much for each process, for it asks at half of that one that never pauses
- * (heartbeat_write): with 2 MB it had 130 MB for fifty busy pairs, and has 23 MB with 64 kB.  On
- * loopback that slows floods alone, to half; a network has more under way.
+ * (heartbeat_write): with 2 MB it had 130 MB for fifty busy pairs.  On loopback it begins at 16 kB,
+ * and a flood raises that as it is acknowledged; each sample that is asked for again lowers it, to
+ * 8 kB at least.  On a network, where more is under way and more is lost, it does not change.
  *
  * A process may write more to a broker that was killed, until DDS misses it 10 s later. */
-static const char *unacknowledged(const struct bus_options *options)
+static void watermarks_write(struct mu_text *xml, const struct bus_options *options)
 {
-    const char *of_broker = config_is_loopback(options->interface) ? "64kB" : "512kB";
-    return options->place == BUS_BROKER ? of_broker : "8MB";
+    static const char *const of_loopback[] = {"8kB", "16kB", "2MB", "true"};
+    static const char *const of_network[] = {"1kB", "512kB", "512kB", "false"};
+    static const char *const of_others[] = {"1kB", "8MB", "8MB", "false"};
+    const char *const *of_broker =
+        config_is_loopback(options->interface) ? of_loopback : of_network;
+    const char *const *is = options->place == BUS_BROKER ? of_broker : of_others;
+    mu_text_format(xml,
+                   "<Watermarks><WhcLow>%s</WhcLow><WhcHighInit>%s</WhcHighInit>"
+                   "<WhcHigh>%s</WhcHigh><WhcAdaptive>%s</WhcAdaptive></Watermarks>",
+                   is[0], is[1], is[2], is[3]);
 }
 
 /* When a writer asks its readers what they have, while they have not said it.
@@ -166,20 +175,15 @@ void config_write(struct mu_text *xml, const struct bus_options *options, int in
                    "<MaxAutoParticipantIndex>%d</MaxAutoParticipantIndex><Peers>",
                    index, CONFIG_INDEX_END);
     peers_write(xml, options, interface);
-    /* Watermarks begin at 30 kB, unless told, and adapt: each sample that a reader asks for again
-     * lowers them, so that writers to a tool that was killed would stop.  ReceiveBufferSize: one
-     * packet that waits for those before it holds a whole buffer, as of a process that was killed
-     * until its lease ends; the default is 1 MiB. */
+    /* ReceiveBufferSize: one packet that waits for those before it holds a whole buffer, as of a
+     * process that was killed until its lease ends; the default is 1 MiB. */
     mu_text_format(xml,
                    "</Peers><SPDPInterval>%s</SPDPInterval></Discovery>"
                    "<Internal><WriterLingerDuration>0s</WriterLingerDuration>",
                    presence_interval(options));
     heartbeat_write(xml, options, interface);
-    const char *most = unacknowledged(options);
-    mu_text_format(xml,
-                   "<Watermarks><WhcHigh>%s</WhcHigh><WhcHighInit>%s</WhcHighInit>"
-                   "<WhcAdaptive>false</WhcAdaptive></Watermarks></Internal>"
-                   "<Sizing><ReceiveBufferSize>256KiB</ReceiveBufferSize></Sizing>"
-                   "</Domain></CycloneDDS>",
-                   most, most);
+    watermarks_write(xml, options);
+    mu_text_format(xml, "</Internal>"
+                        "<Sizing><ReceiveBufferSize>256KiB</ReceiveBufferSize></Sizing>"
+                        "</Domain></CycloneDDS>");
 }

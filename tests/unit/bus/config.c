@@ -229,6 +229,26 @@ static void test_intervals(void)
     }
 }
 
+/* What a broker keeps for a process on its host is little, unless it floods it. */
+static void test_watermarks(void)
+{
+    static const struct {
+        enum bus_place place;
+        const char *interface, *piece;
+    } cases[] = {
+        {BUS_BROKER, NULL, "<WhcHighInit>16kB</WhcHighInit><WhcHigh>2MB</WhcHigh>"},
+        {BUS_BROKER, NULL, "<WhcLow>8kB</WhcLow>"},
+        {BUS_BROKER, NULL, "<WhcAdaptive>true<"},
+        {BUS_BROKER, "10.0.0.7", "<WhcHighInit>512kB</WhcHighInit><WhcHigh>512kB</WhcHigh>"},
+        {BUS_BROKER, "10.0.0.7", "<WhcAdaptive>false<"},
+        {BUS_AGENT, NULL, "<WhcHighInit>8MB</WhcHighInit><WhcHigh>8MB</WhcHigh>"},
+        {BUS_SIMULATOR, NULL, "<WhcAdaptive>false<"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        write_for(cases[i].place, 10, cases[i].interface, NULL);
+        CU_ASSERT_TRUE(has(cases[i].piece));
+    }
+}
+
 static void append(char *hosts)
 {
     size_t len = strlen(hosts);
@@ -298,6 +318,7 @@ int main(void)
         {"what is loopback", test_what_is_loopback},
         {"several hosts", test_several_hosts},
         {"intervals", test_intervals},
+        {"watermarks", test_watermarks},
         {"limit: hosts", test_limit_hosts},
         {"limit: the longest configuration", test_limit_the_longest_configuration},
         {"limit: a text too small", test_limit_a_text_too_small_is_cut},
