@@ -25,9 +25,9 @@ static const uint64_t QUIET_NS = 20000;
 /* A wake of a processor that has halted takes some 25 us: that of the other side, and then one's
  * own; by DDS twice as many.  So a thread whose waits have been as short on average stays awake for
  * so long, and spares its own. */
-static const uint64_t SOON_NS = 60000, SOON_BY_DDS_NS = 300000;
+static const uint64_t SOON_NS = 80000, SOON_BY_DDS_NS = 300000;
 
-/* A wait counts as so long at most, and as that if it brings nothing. */
+/* A wait counts as so long at most, and as that if it brings nothing, or not while awake. */
 static const uint64_t LONG_NS = 600000;
 
 /* A thread that stays awake, yields the processor and gets it back so late is not alone with it. It
@@ -234,9 +234,11 @@ static bool samples_watch(struct bus *bus, uint64_t samples, uint64_t until_ns)
 static bool samples_await(struct bus *bus, uint64_t samples, uint64_t until_ns)
 {
     const uint64_t began_ns = bus->waited_ns;
-    bool come = samples_watch(bus, samples, until_ns) || samples_sleep(bus, samples, until_ns);
+    bool come = samples_watch(bus, samples, until_ns);
+    bool in_vain = !come && bus->waited_ns > began_ns;
+    come = come || samples_sleep(bus, samples, until_ns);
     uint64_t took_ns = bus->waited_ns - began_ns;
-    took_ns = samples_there(bus) > 0 && took_ns < LONG_NS ? took_ns : LONG_NS;
+    took_ns = samples_there(bus) > 0 && !in_vain && took_ns < LONG_NS ? took_ns : LONG_NS;
     bus->usual_ns += took_ns / 8 - bus->usual_ns / 8;
     bus->pairs += come && samples == 2;
     return come;
