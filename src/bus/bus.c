@@ -121,7 +121,7 @@ mu_result bus_writer_open(struct bus *bus, enum bus_topic topic, const char *fir
         bus_writer_close(writer); /* the caller tries again, each round if need be */
         return bus_fault("writer", why);
     }
-    local_writer_open(bus, topic, writer);
+    local_writer_open(bus, topic, second, writer);
     return MU_OK;
 }
 

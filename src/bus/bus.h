@@ -174,7 +174,9 @@ MU_MUST_USE mu_result bus_reader_open_deep(struct bus *bus, enum bus_topic topic
 /** Closes a reader, if it is open; what lies in it counts as taken. */
 void bus_reader_close(struct bus_reader *reader);
 
-/** Opens a writer into one or two partitions; second may be NULL, first NULL is the default one. */
+/** Opens a writer into one or two partitions; second may be NULL, first NULL is the default one. By
+ * sockets readers of the first have a sample before those of the second, whose name must stay: a
+ * process that is killed has told a broker what its simulator knows. */
 MU_MUST_USE mu_result bus_writer_open(struct bus *bus, enum bus_topic topic, const char *first,
                                       const char *second, struct bus_writer *writer);
 

@@ -2,28 +2,13 @@
 /* The other sides of an endpoint, as DDS has found them. */
 #include "bus/bus.h"
 #include "bus/local.h"
+#include "bus/local_token.h"
 #include "bus/topics.h"
 #include "wire.h"
 
 #include <dds/dds.h>
 #include <stdio.h>
 #include <string.h>
-
-/* @return whether one of the partitions that an endpoint names is this one */
-static bool endpoint_names(const dds_builtintopic_endpoint_t *endpoint, const char *partition)
-{
-    uint32_t count = 0;
-    char **names = NULL;
-    bool found = false;
-    if (endpoint->qos && dds_qget_partition(endpoint->qos, &count, &names)) {
-        for (uint32_t i = 0; i < count; i++) {
-            found = found || strcmp(names[i], partition) == 0;
-            dds_free(names[i]);
-        }
-        dds_free(names);
-    }
-    return found;
-}
 
 /* Finds the process that reads a partition by its name.  @return whether there is one */
 static bool reader_find(const struct bus_writer *writer, const char *partition, dds_guid_t *process)
@@ -35,7 +20,7 @@ static bool reader_find(const struct bus_writer *writer, const char *partition, 
         dds_builtintopic_endpoint_t *endpoint =
             dds_get_matched_subscription_data(writer->writer, readers[i]);
         if (endpoint) {
-            found = endpoint_names(endpoint, partition);
+            found = local_endpoint_names(endpoint, partition);
             *process = endpoint->participant_key;
             dds_builtintopic_free_endpoint(endpoint);
         }

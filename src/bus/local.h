@@ -61,8 +61,10 @@ dds_instance_handle_t bus_writer_find(const struct bus_reader *r, const dds_guid
 /** Closes what the bus's writers have not closed themselves. */
 void local_writers_close(struct bus *bus);
 
-/** Takes note of a writer whose topic has sockets. */
-void local_writer_open(struct bus *bus, enum bus_topic topic, struct bus_writer *w);
+/** Takes note of a writer whose topic has sockets.  @param last  the partition whose readers have a
+ * sample last, which must stay; NULL: none */
+void local_writer_open(struct bus *bus, enum bus_topic topic, const char *last,
+                       struct bus_writer *w);
 
 void local_writer_close(struct bus_writer *w);
 

@@ -71,6 +71,21 @@ bool local_token_find(const dds_builtintopic_endpoint_t *reader, struct local_to
     return found && memcmp(&token->owner, &reader->participant_key, sizeof token->owner) == 0;
 }
 
+bool local_endpoint_names(const dds_builtintopic_endpoint_t *endpoint, const char *partition)
+{
+    uint32_t count = 0;
+    char **names = NULL;
+    bool found = false;
+    if (endpoint->qos && dds_qget_partition(endpoint->qos, &count, &names)) {
+        for (uint32_t i = 0; i < count; i++) {
+            found = found || strcmp(names[i], partition) == 0;
+            dds_free(names[i]);
+        }
+        dds_free(names);
+    }
+    return found;
+}
+
 bool local_is_ours(int fd)
 {
     struct ucred peer;

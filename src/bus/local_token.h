@@ -29,6 +29,9 @@ int local_connect(const struct local_token *token, int room);
 /** @return whether a reader's quality of service has a token of its own */
 bool local_token_find(const dds_builtintopic_endpoint_t *reader, struct local_token *token);
 
+/** @return whether one of the partitions that an endpoint names is this one */
+bool local_endpoint_names(const dds_builtintopic_endpoint_t *endpoint, const char *partition);
+
 /** @return whether the other end is of our user */
 bool local_is_ours(int fd);
 

@@ -32,6 +32,7 @@ struct local_pair {
     struct local_writer *writer;
     dds_instance_handle_t reader; /* on DDS */
     enum pair_state state;
+    bool last;             /* behind all those that are not */
     bool matched;          /* DDS still has it */
     uint64_t asked_ns;     /* since when a sample waits for the answer; 0: none does */
     char *waiting;         /* what the kernel did not take */
@@ -43,6 +44,7 @@ struct local_writer {
     struct bus *bus;
     struct local_writer *next; /* of the bus */
     enum bus_topic topic;
+    const char *last; /* the partition of readers that are last; NULL: none */
     dds_entity_t writer;
     uint32_t seen; /* of bus->matches, when it last looked */
     dds_time_t stamp;
@@ -89,6 +91,7 @@ static void pair_ask(struct local_pair *p)
         pair_close(p, PAIR_ON_DDS);
     }
     if (reader) {
+        p->last = o->last && local_endpoint_names(reader, o->last);
         dds_builtintopic_free_endpoint(reader);
     }
 }
@@ -191,7 +194,8 @@ void local_writer_ready(struct local_source *source, uint32_t events)
 
 /* --- the pairs of a writer -------------------------------------------------------------------- */
 
-void local_writer_open(struct bus *bus, enum bus_topic topic, struct bus_writer *w)
+void local_writer_open(struct bus *bus, enum bus_topic topic, const char *last,
+                       struct bus_writer *w)
 {
     if (!bus->local || !topic_table[topic].local) {
         return;
@@ -200,6 +204,7 @@ void local_writer_open(struct bus *bus, enum bus_topic topic, struct bus_writer 
     *o = (struct local_writer){.bus = bus,
                                .next = bus->locals,
                                .topic = topic,
+                               .last = last,
                                .writer = w->writer,
                                .seen = atomic_load(&bus->matches) - 1};
     bus->locals = w->local = o;
@@ -243,16 +248,18 @@ void local_writers_close(struct bus *bus)
 
 static void pair_keep(struct local_writer *o, dds_instance_handle_t reader)
 {
-    struct local_pair *p = o->pairs;
-    while (p && p->reader != reader) {
-        p = p->next;
+    struct local_pair **at = &o->pairs;
+    while (*at && (*at)->reader != reader) {
+        at = &(*at)->next;
     }
+    struct local_pair *p = *at;
     if (!p) {
         p = local_memory(sizeof *p);
-        *p = (struct local_pair){
-            .source = {LOCAL_OUTPUT, -1}, .next = o->pairs, .writer = o, .reader = reader};
-        o->pairs = p;
+        *p = (struct local_pair){.source = {LOCAL_OUTPUT, -1}, .writer = o, .reader = reader};
         pair_ask(p);
+        at = p->last ? at : &o->pairs;
+        p->next = *at;
+        *at = p;
     }
     p->matched = true;
 }

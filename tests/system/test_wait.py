@@ -17,9 +17,9 @@ def test_wait_returns_when_all_are_there():
         check_equal(muster("wait", "--broker", "main", "--domain", domain).returncode, 0, "main")
         processes.start(MUSTER, "host", "north", "--domain", domain)
         check_equal(muster("wait", "--hosts", 1, "--domain", domain).returncode, 0, "a host")
-        done = muster("wait", "red", "--hosts", 2, "--timeout", "0.3", "--domain", domain)
+        done = muster("wait", "red", "--hosts", 2, "--timeout", "2", "--domain", domain)
         check_equal((done.returncode, done.stderr),
-                    (124, "muster wait: not there after 0.3 s: 1 of 2 hosts, red\n"), "too early")
+                    (124, "muster wait: not there after 2 s: 1 of 2 hosts, red\n"), "too early")
         check(waiting.poll() is None, "it waits")
         processes.start(MUSTER, "host", "south", "--domain", domain)
         check_equal(muster("wait", "--hosts", 2, "--domain", domain).returncode, 0, "two hosts")
@@ -41,9 +41,9 @@ def test_wait_for_a_service():
     domain = new_domain()
     with Processes() as processes:
         broker_start(processes, domain, "--store", "none")
-        done = muster("wait", "--service", "map hz>=1", "--timeout", "0.3", "--domain", domain)
+        done = muster("wait", "--service", "map hz>=1", "--timeout", "2", "--domain", domain)
         check_equal((done.returncode, done.stderr),
-                    (124, "muster wait: not there after 0.3 s: the service map hz>=1\n"), "nobody")
+                    (124, "muster wait: not there after 2 s: the service map hz>=1\n"), "nobody")
         processes.start(MUSTER, "robot", "red", "--rules", "rules/follower.clp", "--service",
                         "map hz=2", "--domain", domain)
         check_equal(muster("wait", "--service", "map hz>=1", "--domain", domain).returncode, 0, "red")
