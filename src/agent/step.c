@@ -87,15 +87,18 @@ static void step_begin(struct robot *r, mu_agent *a, const struct mu_percept *p,
     bool sits_out =
         r->state == ROBOT_VACANT || mu_agent_state(a) == MU_SUSPENDED || agent_is_away(r);
     enum robot_event event = again ? ROBOT_SAYS_AGAIN : sits_out ? ROBOT_SITS_OUT : ROBOT_FEELS;
+    bool acts = event == ROBOT_FEELS && mu_agent_state(a) == MU_RUNNING;
     console_offer(r); /* lines of a robot that does not act */
-    mind_hand(r, a);
+    if (!acts) {      /* of a thousand minds each that is looked at now would wait for its memory */
+        mind_hand(r, a);
+    }
     if (!robot_state_apply(&r->state, event)) {
         r->early_steps++;
         mu_log(MU_LOG_INFO, "step-early", "name=%s steps=%u", r->name, r->early_steps);
     } else if (event == ROBOT_FEELS) {
         r->percept = *p;
         r->percept.robot = has_body ? p->robot : NULL;
-        if (mu_agent_state(a) != MU_RUNNING) {
+        if (!acts) {
             percept_settle(r);
         }
     }
