@@ -21,6 +21,7 @@ struct order_queue {
     struct condition_names names;
     struct queued at[QUEUE_SIZE];
     uint64_t arrivals;
+    uint32_t watching; /* orders that wait for a condition */
 };
 
 void order_copy(struct order *to, const muster_RunCommand *command)
@@ -78,12 +79,13 @@ mu_result order_queue_put(struct order_queue *q, const muster_RunCommand *comman
     place->later = later;
     place->arrival = q->arrivals++;
     place->state = later ? QUEUED_WAITS : QUEUED_DUE;
+    q->watching += place->order.when[0] != '\0';
     return MU_OK;
 }
 
 void order_queue_note_act(struct order_queue *q, int robot, const muster_Act *act)
 {
-    for (size_t i = 0; i < QUEUE_SIZE; i++) {
+    for (size_t i = 0; q->watching > 0 && i < QUEUE_SIZE; i++) {
         struct queued *place = &q->at[i];
         if (place->state == QUEUED_WAITS && place->order.when[0]) {
             record_note_act(&place->watch, robot, act);
@@ -104,6 +106,7 @@ void order_queue_look(struct order_queue *q, uint64_t time_ns, const struct cond
         }
         bool due = (!conditional || place->watch.was) && time_ns >= place->order.command.due_ns;
         place->state = due ? QUEUED_DUE : QUEUED_WAITS;
+        q->watching -= due && conditional;
     }
 }
 
