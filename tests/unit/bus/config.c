@@ -202,21 +202,21 @@ static void test_several_hosts(void)
     CU_ASSERT_EQUAL(times("<Peer "), 6);
 }
 
-/* A process that may have to look for its hub says often that it is there. A broker asks behind
- * shorter pauses what has arrived, and on loopback less often without one. */
+/* A process that may have to look for its hub says often that it is there. On loopback, where
+ * nothing is lost, writers ask behind longer pauses what has arrived. */
 static void test_intervals(void)
 {
     static const struct {
         enum bus_place place;
         const char *interface, *hub, *presence, *heartbeat;
-    } cases[] = {{BUS_AGENT, NULL, NULL, "1s", "\"20ms\">20ms"},
+    } cases[] = {{BUS_AGENT, NULL, NULL, "1s", "\"20ms\">50ms"},
                  {BUS_AGENT, "10.0.0.7", NULL, "1s", "\"20ms\">20ms"},
-                 {BUS_AGENT, NULL, "far.example", "200ms", "\"20ms\">20ms"},
-                 {BUS_OBSERVER, NULL, NULL, "200ms", "\"20ms\">20ms"},
-                 {BUS_SIMULATOR, NULL, NULL, "8s", "\"20ms\">20ms"},
-                 {BUS_SIMULATOR, NULL, "far.example", "200ms", "\"20ms\">20ms"},
-                 {BUS_BROKER, NULL, NULL, "8s", "\"50ms\">10ms"},
-                 {BUS_BROKER, NULL, "far.example", "2s", "\"50ms\">10ms"},
+                 {BUS_AGENT, NULL, "far.example", "200ms", "\"20ms\">50ms"},
+                 {BUS_OBSERVER, NULL, NULL, "200ms", "\"20ms\">50ms"},
+                 {BUS_SIMULATOR, NULL, NULL, "8s", "\"20ms\">50ms"},
+                 {BUS_SIMULATOR, NULL, "far.example", "200ms", "\"20ms\">50ms"},
+                 {BUS_BROKER, NULL, NULL, "8s", "\"50ms\">50ms"},
+                 {BUS_BROKER, NULL, "far.example", "2s", "\"50ms\">50ms"},
                  {BUS_BROKER, "10.0.0.7", NULL, "2s", "\"20ms\">10ms"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         char presence[64], heartbeat[64];
