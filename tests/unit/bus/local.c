@@ -45,10 +45,12 @@ struct side {
 };
 
 struct scene {
-    const char *local; /* of the reader: "on" or "off" */
+    const char *local;     /* of the reader: "on" or "off" */
+    const char *partition; /* of the reader; NULL: "p1" */
     enum bus_topic topic;
     rlim_t files; /* 0: as many as there are */
     bool stands;  /* it stands still at first */
+    bool late;    /* it begins when it is told to go on */
     bool pairs;   /* it waits for two samples at once, and longer */
     bool echoes;  /* it writes steps, too, to "p2" */
 };
@@ -94,9 +96,11 @@ static void side_live(int domain, const struct scene *scene, int orders, int wor
     static struct bus_writer echo;
     struct bus_options options = {
         .domain = domain, .place = BUS_BROKER, .name = "reader", .local = scene->local};
+    const char *partition = scene->partition ? scene->partition : "p1";
+    char go;
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (bus_open(&there, &options) != MU_OK ||
-        bus_reader_open(&there, scene->topic, "p1", &reader) != MU_OK ||
+    if ((scene->late && read(orders, &go, 1) != 1) || bus_open(&there, &options) != MU_OK ||
+        bus_reader_open(&there, scene->topic, partition, &reader) != MU_OK ||
         (scene->echoes && bus_writer_open(&there, BUS_SENSE, "p2", NULL, &echo) != MU_OK)) {
         _exit(1);
     }
@@ -150,7 +154,7 @@ static struct side side_start(const struct scene *scene)
     s.orders = to[1];
     s.words = from[0];
     struct word up;
-    CU_ASSERT_TRUE_FATAL(word_get(&s, &up, 10000));
+    CU_ASSERT_TRUE_FATAL(scene->late || word_get(&s, &up, 10000));
     return s;
 }
 
@@ -199,6 +203,29 @@ static void expect_no_word(const struct side *s)
 
 /* --- here ------------------------------------------------------------------------------------- */
 
+/* To whom the last two packets went, the last one first. */
+static pid_t sent_to[2];
+
+/* Stands before the C library's. */
+ssize_t send(int fd, const void *data, size_t size, int flags)
+{
+    struct ucred peer = {0};
+    socklen_t len = sizeof peer;
+    (void)getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &len);
+    sent_to[1] = sent_to[0];
+    sent_to[0] = peer.pid;
+    return sendto(fd, data, size, flags, NULL, 0);
+}
+
+static void readers_await(uint32_t readers)
+{
+    uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
+    while (bus_writer_matches(&writer) < readers && mu_clock_ns() < until_ns) {
+        bus_wait(&bus, 1, WAIT_NS);
+    }
+    CU_ASSERT_EQUAL_FATAL(bus_writer_matches(&writer), readers);
+}
+
 /* A scene: the process is forked before this one touches DDS, which does not survive it. */
 static struct side scene_begin(const struct scene *scene, uint32_t readers)
 {
@@ -206,15 +233,11 @@ static struct side scene_begin(const struct scene *scene, uint32_t readers)
     struct bus_options options = {
         .domain = next_domain, .place = BUS_AGENT, .name = "writer", .local = "on"};
     CU_ASSERT_EQUAL_FATAL(bus_open(&bus, &options), MU_OK);
-    CU_ASSERT_EQUAL_FATAL(bus_writer_open(&bus, scene->topic, "p1", NULL, &writer), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(bus_writer_open(&bus, scene->topic, "p1", "last", &writer), MU_OK);
     if (readers > 1) {
         CU_ASSERT_EQUAL_FATAL(bus_reader_open(&bus, scene->topic, "p1", &own), MU_OK);
     }
-    uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
-    while (bus_writer_matches(&writer) < readers && mu_clock_ns() < until_ns) {
-        bus_wait(&bus, 1, WAIT_NS);
-    }
-    CU_ASSERT_EQUAL_FATAL(bus_writer_matches(&writer), readers);
+    readers_await(readers);
     return s;
 }
 
@@ -594,6 +617,21 @@ static void test_pairs_come_and_their_writers_go(void)
     scene_end(&s);
 }
 
+static void test_a_reader_of_the_last_partition_is_last(void)
+{
+    const struct scene of_last = {.local = "on", .topic = BUS_DELIVERY, .partition = "last"};
+    const struct scene of_first = {.local = "on", .topic = BUS_DELIVERY, .late = true};
+    struct side first = side_start(&of_first);
+    struct side last = scene_begin(&of_last, 1);
+    order(&first, 'g');
+    readers_await(2); /* the one that is last has come first */
+    steps_write(1, 1, 0);
+    CU_ASSERT_EQUAL(sent_to[1], first.pid);
+    CU_ASSERT_EQUAL(sent_to[0], last.pid);
+    side_end(&first);
+    scene_end(&last);
+}
+
 static void test_the_border_is_the_same(void)
 {
     struct side s = scene_begin(&plain, 1);
@@ -634,6 +672,7 @@ int main(void)
         {"strangers", test_strangers_harm_nobody},
         {"child", test_a_child_disturbs_nothing},
         {"pairs", test_pairs_come_and_their_writers_go},
+        {"last", test_a_reader_of_the_last_partition_is_last},
         {"border", test_the_border_is_the_same},
         CU_TEST_INFO_NULL};
     CU_SuiteInfo suites[] = {{"bus/local", begin, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
