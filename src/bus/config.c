@@ -146,7 +146,7 @@ static void watermarks_write(struct mu_text *xml, const struct bus_options *opti
  *
  * With the sample behind a pause of four fifths of the interval; for want of one when half of the
  * watermark lies there, and once in the shortest interval at most.  The answer is a packet more: on
- * loopback, where none is lost, each of a hundred that get a mail in turn is not asked each time.
+ * loopback, where few are lost, each of a hundred that get a mail in turn is not asked each time.
  * On a network 8 ms cost nothing; with 4 ms fifty pairs had 0.8 of their rate.
  *
  * Otherwise, as at the end or of a reader that is new, once in so long as minsched says. A broker
@@ -158,11 +158,10 @@ static void heartbeat_write(struct mu_text *xml, const struct bus_options *optio
 {
     bool is_broker = options->place == BUS_BROKER;
     bool is_loopback = config_is_loopback(interface);
+    const char *of_network = is_broker ? "10ms" : "20ms";
     mu_text_format(xml, "<HeartbeatInterval min=\"%s\" minsched=\"%s\">%s</HeartbeatInterval>",
                    is_broker ? "5ms" : "20ms", is_broker && is_loopback ? "50ms" : "20ms",
-                   is_loopback ? "50ms"
-                   : is_broker ? "10ms"
-                               : "20ms");
+                   is_loopback ? "50ms" : of_network);
 }
 
 void config_write(struct mu_text *xml, const struct bus_options *options, int index)

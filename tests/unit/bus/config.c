@@ -203,7 +203,7 @@ static void test_several_hosts(void)
 }
 
 /* A process that may have to look for its hub says often that it is there. On loopback, where
- * nothing is lost, writers ask behind longer pauses what has arrived. */
+ * little is lost, writers ask behind longer pauses what has arrived. */
 static void test_intervals(void)
 {
     static const struct {
