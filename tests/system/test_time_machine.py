@@ -27,6 +27,14 @@ observer:
 RAM = """(defrule ram (goal ram) (position ?time $?) => (setSpeed 400 0)
   (if (> ?time 10.0) then (send post turn)))
 """
+ASLEEP = """world: {world}
+duration: 6
+robots:
+  - {{name: ram, body: pioneer, pose: [0, 0, 0], rules: ram.clp}}
+observer:
+  - {{at: 1, do: ram, line: "(send-layer 1 suspend ram)"}}
+  - {{at: 3, do: ram, line: "(assert (goal look around))"}}
+"""
 POST = """(defrule turn (message turn) (position $?) => (setSpeed 400 0))
 """
 
@@ -184,6 +192,17 @@ def frames_of(data, chunks):
                 channel = number
             elif kind == MESSAGE and number == channel:
                 yield at, length, chunk
+
+
+def test_a_suspended_robot_shows_the_goal_that_it_is_given():
+    with folder() as out:
+        (out / "ram.clp").write_text(RAM)
+        (out / "asleep.yaml").write_text(ASLEEP.format(world=ROOT / "worlds" / "arena.world"))
+        recording, _ = record(out / "run", file=out / "asleep.yaml")
+        data = recording.read_bytes()
+        shows = [b"look around\0" in data[at:at + length]
+                 for at, length, _ in frames_of(data, chunks(data))]
+        check_equal(shows, [False] * 30 + [True] * 31, "Frames with the goal")
 
 
 def changed(data, share):
