@@ -2,7 +2,7 @@
 /* What comes of a simulator, and what observers see of a run. */
 #include "bus/check.h"
 #include "bus/check_fields.h"
-#include "bus/percept.h"
+#include "bus/wire/percept.h"
 
 #include <math.h>
 

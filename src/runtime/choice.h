@@ -6,7 +6,7 @@
 #ifndef MUSTER_RUNTIME_CHOICE_H
 #define MUSTER_RUNTIME_CHOICE_H
 
-#include "bus/beacons.h"
+#include "bus/wire/beacons.h"
 
 /** Another life of a broker was heard before its heartbeat. */
 void choice_follow(struct beacons *c, const char *name, uint64_t incarnation);

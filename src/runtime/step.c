@@ -4,7 +4,7 @@
  *
  * docs/lockstep.md has the whole protocol; here is a process's side of it.
  */
-#include "bus/percept.h"
+#include "bus/wire/percept.h"
 #include "core/clock.h"
 #include "runtime/process.h"
 

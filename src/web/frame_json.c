@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "web/json.h"
 
-#include "bus/percept.h"
+#include "bus/wire/percept.h"
 #include "core/sensors.h"
 #include "core/text.h"
 

@@ -8,7 +8,7 @@
 
 #include "broker/control/broker.h"
 #include "broker/services/services.h"
-#include "bus/beacons.h"
+#include "bus/wire/beacons.h"
 #include "core/network.h"
 
 /* --- outlets.c ------------------------------------------------------------------------------- */

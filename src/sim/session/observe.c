@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Tells observers of a run: the Scene once, and Frames while a reader or a recording wants them. */
-#include "bus/percept.h"
+#include "bus/wire/percept.h"
 #include "sim/session/parts.h"
 
 #include "core/clock.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Sends each process what its robots sense. */
-#include "bus/percept.h"
+#include "bus/wire/percept.h"
 #include "sim/session/parts.h"
 
 /* A sensor that is not asked for is not read; a robot without a controller asks for nothing. */

@@ -3,8 +3,8 @@
  * @file beacons.h
  * The brokers that a process has heard of by their heartbeats.  Pure.
  */
-#ifndef MUSTER_BUS_BEACONS_H
-#define MUSTER_BUS_BEACONS_H
+#ifndef MUSTER_BUS_WIRE_BEACONS_H
+#define MUSTER_BUS_WIRE_BEACONS_H
 
 #include "muster/limits.h"
 #include "wire.h"

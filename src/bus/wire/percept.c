@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "bus/percept.h"
+#include "bus/wire/percept.h"
 
 #include <math.h>
 

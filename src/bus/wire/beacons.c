@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "bus/beacons.h"
+#include "bus/wire/beacons.h"
 
 #include "core/text.h"
 

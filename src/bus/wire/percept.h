@@ -3,8 +3,8 @@
  * @file percept.h
  * Percepts on the wire: the one place that knows both structs, made of muster/sensors.h.
  */
-#ifndef MUSTER_BUS_PERCEPT_H
-#define MUSTER_BUS_PERCEPT_H
+#ifndef MUSTER_BUS_WIRE_PERCEPT_H
+#define MUSTER_BUS_WIRE_PERCEPT_H
 
 #include "muster/percept.h"
 #include "wire.h"
