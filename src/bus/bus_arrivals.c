@@ -142,7 +142,7 @@ void bus_arrivals_poll(struct bus *bus, int64_t timeout_ns)
         if (!source) {
             (void)eventfd_read(bus->note_fd, &notes);
         } else if (source->kind == LOCAL_OUTPUT) {
-            local_writer_ready(source, events[i].events);
+            local_pair_ready(source, events[i].events);
         } else {
             local_reader_ready(bus, source);
         }

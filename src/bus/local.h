@@ -56,6 +56,11 @@ bool local_has(struct bus_reader *r, const dds_sample_info_t *info);
 /** @return what a reader has of the writer of that GUID; 0: it has not found it, or misses it */
 dds_instance_handle_t bus_writer_find(const struct bus_reader *r, const dds_guid_t *writer);
 
+/* --- local_pair.c --- */
+
+/** Reads an answer, or writes what waits. */
+void local_pair_ready(struct local_source *source, uint32_t events);
+
 /* --- local_writer.c --- */
 
 /** Closes what the bus's writers have not closed themselves. */
@@ -67,9 +72,6 @@ void local_writer_open(struct bus *bus, enum bus_topic topic, const char *last,
                        struct bus_writer *w);
 
 void local_writer_close(struct bus_writer *w);
-
-/** Reads an answer, or writes what waits. */
-void local_writer_ready(struct local_source *source, uint32_t events);
 
 /** Connects all writers to the readers that DDS has matched. */
 void local_match(struct bus *bus);

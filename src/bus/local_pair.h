@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/**
+ * @file local_pair.h
+ * A writer and one of its readers, of another process of this host (local.h).
+ */
+#ifndef MUSTER_BUS_LOCAL_PAIR_H
+#define MUSTER_BUS_LOCAL_PAIR_H
+
+#include "bus/local.h"
+
+/* What a reader does not take is kept, up to so much: then it is the writer that waits.
+ * As what DDS keeps of a process (config.c). */
+enum { LOCAL_WAITING_MAX = 8 << 20 };
+
+enum pair_state {
+    PAIR_ASKED, /* it is connected, and has no answer yet */
+    PAIR_OPEN,  /* samples go by the socket */
+    PAIR_ENDED, /* the reader has closed it, and DDS will miss it soon */
+    PAIR_ON_DDS,
+};
+
+/* A writer and one of its readers. */
+struct local_pair {
+    struct local_source source;
+    struct local_pair *next;
+    struct local_writer *writer;
+    dds_instance_handle_t reader; /* on DDS */
+    enum pair_state state;
+    bool last;             /* behind all those that are not */
+    bool matched;          /* DDS still has it */
+    uint64_t asked_ns;     /* since when a sample waits for the answer; 0: none does */
+    char *waiting;         /* what the kernel did not take */
+    size_t size, from, to; /* of waiting, and what is in it */
+    size_t begun;          /* up to here it is the rest of one whose beginning is out */
+};
+
+struct local_writer {
+    struct bus *bus;
+    struct local_writer *next; /* of the bus */
+    enum bus_topic topic;
+    const char *last; /* the partition of readers that are last; NULL: none */
+    dds_entity_t writer;
+    uint32_t seen; /* of bus->matches, when it last looked */
+    dds_time_t stamp;
+    struct local_pair *pairs;
+};
+
+/** Asks a reader that DDS has matched for a socket.  One without a socket, of another host or
+ * another user stays with DDS. */
+void local_pair_ask(struct local_pair *p);
+
+/** Writes a frame, or keeps what the kernel does not take. */
+void local_pair_write(struct local_pair *p, const char *frame, size_t size);
+
+/** Writes what waits, as far as the kernel takes it. */
+void local_pair_send(struct local_pair *p);
+
+void local_pair_close(struct local_pair *p, enum pair_state state);
+
+#endif
