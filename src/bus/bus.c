@@ -11,45 +11,6 @@
 
 #include <string.h>
 
-/* The same without what a tool can learn the type from. */
-static dds_topic_descriptor_t descriptor_untyped(const dds_topic_descriptor_t *d)
-{
-    return (dds_topic_descriptor_t){.m_size = d->m_size,
-                                    .m_align = d->m_align,
-                                    .m_flagset = d->m_flagset & ~DDS_TOPIC_XTYPES_METADATA,
-                                    .m_nkeys = d->m_nkeys,
-                                    .m_typename = d->m_typename,
-                                    .m_keys = d->m_keys,
-                                    .m_nops = d->m_nops,
-                                    .m_ops = d->m_ops,
-                                    .m_meta = d->m_meta};
-}
-
-static bool is_described(const struct bus *bus, const struct topic *t, const char *partition)
-{
-    if (bus->place == BUS_OBSERVER) {
-        return true;
-    }
-    bool is_agent = bus->place == BUS_AGENT;
-    return t->describer == DESCRIBED_TO_ALL
-               ? !is_agent && partition && strcmp(partition, BUS_TO_ALL) == 0
-               : is_agent == (t->describer == DESCRIBED_BY_AGENTS);
-}
-
-/* @return the topic as an endpoint in that partition has it, or the fault of DDS */
-static dds_entity_t topic_open(struct bus *bus, enum bus_topic topic, const char *partition)
-{
-    const struct topic *t = &topic_table[topic];
-    bool described = is_described(bus, t, partition);
-    int32_t *made = &bus->topics[topic][described];
-    if (*made <= 0) {
-        const dds_topic_descriptor_t bare = descriptor_untyped(t->descriptor);
-        *made = dds_create_topic(bus->participant, described ? t->descriptor : &bare, t->name, NULL,
-                                 NULL);
-    }
-    return *made;
-}
-
 mu_result bus_reader_open(struct bus *bus, enum bus_topic topic, const char *partition,
                           struct bus_reader *reader)
 {
@@ -60,7 +21,7 @@ mu_result bus_reader_open_deep(struct bus *bus, enum bus_topic topic, const char
                                int32_t depth, struct bus_reader *reader)
 {
     *reader = (struct bus_reader){.bus = bus, .topic = topic};
-    dds_entity_t about = topic_open(bus, topic, partition);
+    dds_entity_t about = topics_open(bus, topic, partition);
     if (about < 0) {
         return bus_fault(topic_table[topic].name, about);
     }
@@ -97,41 +58,30 @@ mu_result bus_writer_open(struct bus *bus, enum bus_topic topic, const char *fir
                           const char *second, struct bus_writer *writer)
 {
     *writer = (struct bus_writer){.bus = bus, .topic = topic};
-    dds_entity_t about = topic_open(bus, topic, first);
-    if (about < 0) {
-        return bus_fault(topic_table[topic].name, about);
+    if (!second && local_writer_share(writer, first)) {
+        return MU_OK;
     }
-    const char *partitions[] = {first ? first : "", second};
-    dds_qos_t *group = dds_create_qos();
-    dds_qset_partition(group, second ? 2 : 1, partitions);
-    writer->publisher = dds_create_publisher(bus->participant, group, NULL);
-    dds_delete_qos(group);
-    if (writer->publisher < 0) {
-        return bus_fault("publisher", writer->publisher);
+    dds_entity_t made = topics_writer(bus, topic, first, second, NULL);
+    if (made < 0) {
+        *writer = (struct bus_writer){0}; /* the caller tries again, each round if need be */
+        return bus_fault(topic_table[topic].name, made);
     }
-    dds_qos_t *qos = topics_qos(&topic_table[topic]);
-    dds_listener_t *listener = dds_create_listener(bus);
-    dds_lset_publication_matched(listener, bus_arrivals_match);
-    writer->writer = dds_create_writer(writer->publisher, about, qos,
-                                       topic_table[topic].local ? listener : NULL);
-    dds_delete_listener(listener);
-    dds_delete_qos(qos);
-    if (writer->writer < 0) {
-        dds_return_t why = writer->writer;
-        bus_writer_close(writer); /* the caller tries again, each round if need be */
-        return bus_fault("writer", why);
-    }
-    local_writer_open(bus, topic, second, writer);
+    writer->writer = made;
+    local_writer_open(writer, first, second);
     return MU_OK;
 }
 
 void bus_writer_close(struct bus_writer *writer)
 {
     local_writer_close(writer);
-    if (writer->publisher > 0) {
-        dds_delete(writer->publisher); /* and its writer */
-    }
+    topics_writer_delete(writer->writer);
     *writer = (struct bus_writer){0};
+}
+
+/* @return the writer on DDS, 0: there is none, as no reader needs it */
+static dds_entity_t bus_writer_on_dds(const struct bus_writer *w)
+{
+    return w->local ? local_on_dds(w->local) : w->writer;
 }
 
 static mu_result written(dds_return_t code)
@@ -157,7 +107,7 @@ mu_result bus_write(const struct bus_writer *writer, const void *sample)
     mu_result result = MU_OK;
     if (!local || local_needs_dds(local)) {
         dds_time_t now = local ? local_stamp(local) : dds_time();
-        result = written(cdr_frame_write(writer->writer, room->at, end, now));
+        result = written(cdr_frame_write(bus_writer_on_dds(writer), room->at, end, now));
     }
     if (local && result == MU_OK) {
         local_write(local, room->at);
@@ -305,6 +255,7 @@ bool bus_drain(const struct bus_writer *writer, int64_t timeout_ns)
         bus_arrivals_poll(writer->bus, left_ns < DRAIN_LOOK_NS ? left_ns : DRAIN_LOOK_NS);
         left_ns = (int64_t)(until_ns - mu_clock_ns());
     }
+    dds_entity_t on_dds = bus_writer_on_dds(writer);
     return (!writer->local || local_is_out(writer->local)) &&
-           dds_wait_for_acks(writer->writer, left_ns > 0 ? left_ns : 0) == DDS_RETCODE_OK;
+           (on_dds == 0 || dds_wait_for_acks(on_dds, left_ns > 0 ? left_ns : 0) == DDS_RETCODE_OK);
 }

@@ -101,15 +101,15 @@ struct bus {
     struct local_source *later;  /* the socket that has brought the last sample; NULL: none */
     struct local_door *doors;    /* all readers with sockets */
     struct local_writer *locals; /* all writers with sockets */
+    struct local_shared *shared; /* what those to one partition share; NULL: nothing */
     struct cdr_room room;        /* where a sample of such a topic is put together */
-    _Atomic uint32_t matches;    /* how often DDS has matched or missed a reader of theirs */
+    _Atomic uint32_t matches;    /* how often DDS has matched, found or missed a reader of theirs */
 };
 
 struct bus_writer {
     struct bus *bus;
     enum bus_topic topic;
-    int32_t writer;
-    int32_t publisher;
+    int32_t writer;             /* 0: as `local` says */
     struct local_writer *local; /* NULL: DDS alone */
 };
 
@@ -119,6 +119,7 @@ struct bus_reader {
     enum bus_topic topic;
     int32_t reader;
     struct local_door *door;                /* NULL: DDS alone */
+    uint32_t connected;                     /* writers, by sockets, now */
     _Atomic uint64_t arrived;               /* as in struct bus, of this reader, */
     uint64_t taken;                         /* likewise */
     uint64_t looked_ns;                     /* when it was last asked for samples */
@@ -234,7 +235,8 @@ bool bus_reader_meets(struct bus_reader *reader, char *who, size_t size);
 /** @return whether bus_reader_meets has found that writer to be of another version */
 bool bus_reader_is_stranger(const struct bus_reader *reader, uint64_t writer);
 
-/** @return how many writers a reader has found */
+/** @return how many writers a reader has found; one that is there for any reader counts when it
+ * writes here */
 uint32_t bus_reader_matches(const struct bus_reader *reader);
 
 /**

@@ -78,13 +78,6 @@ void bus_arrivals_note(int32_t entity, void *reader)
     }
 }
 
-void bus_arrivals_match(dds_entity_t writer, dds_publication_matched_status_t status, void *bus)
-{
-    (void)writer;
-    (void)status;
-    atomic_fetch_add(&((struct bus *)bus)->matches, 1);
-}
-
 void bus_arrivals_meet(dds_entity_t entity, dds_subscription_matched_status_t status, void *reader)
 {
     (void)entity;

@@ -20,10 +20,7 @@ void bus_arrivals_close(struct bus *bus);
  */
 void bus_arrivals_poll(struct bus *bus, int64_t timeout_ns);
 
-/** Listener of a writer, whose argument is the bus. */
-void bus_arrivals_match(dds_entity_t writer, dds_publication_matched_status_t status, void *bus);
-
-/** The same of a reader, whose argument it is. */
+/** Listener of a reader, whose argument it is: DDS has matched or missed a writer. */
 void bus_arrivals_meet(dds_entity_t entity, dds_subscription_matched_status_t status, void *reader);
 
 /** Listener of a reader, whose argument it is; runs in a thread of DDS, once for each sample. */

@@ -2,6 +2,7 @@
 /* The other sides of an endpoint, as DDS has found them. */
 #include "bus/bus.h"
 #include "bus/local.h"
+#include "bus/local_shared.h"
 #include "bus/local_token.h"
 #include "bus/topics.h"
 #include "wire.h"
@@ -10,9 +11,18 @@
 #include <stdio.h>
 #include <string.h>
 
+/* @return whether it is open, and not by its own writer on DDS */
+static bool bus_writer_is_shared(const struct bus_writer *writer)
+{
+    return writer->local && !writer->writer && writer->bus->participant > 0;
+}
+
 /* Finds the process that reads a partition by its name.  @return whether there is one */
 static bool reader_find(const struct bus_writer *writer, const char *partition, dds_guid_t *process)
 {
+    if (bus_writer_is_shared(writer)) {
+        return local_process_find(writer->local, partition, process);
+    }
     dds_instance_handle_t readers[BUS_ENDPOINTS_MAX];
     dds_return_t count = dds_get_matched_subscriptions(writer->writer, readers, BUS_ENDPOINTS_MAX);
     bool found = false;
@@ -73,18 +83,17 @@ bool bus_reader_hears(const struct bus_reader *reader, const struct bus_writer *
                             dds_get_matched_publication_data);
 }
 
-dds_instance_handle_t bus_writer_find(const struct bus_reader *r, const dds_guid_t *writer)
+bool bus_writer_identify(const struct bus_reader *r, dds_instance_handle_t writer, dds_guid_t *who)
 {
-    dds_instance_handle_t writers[BUS_ENDPOINTS_MAX], found = 0;
-    dds_return_t count = dds_get_matched_publications(r->reader, writers, BUS_ENDPOINTS_MAX);
-    for (dds_return_t i = 0; i < count && i < BUS_ENDPOINTS_MAX && found == 0; i++) {
-        dds_builtintopic_endpoint_t *w = dds_get_matched_publication_data(r->reader, writers[i]);
-        if (w) {
-            found = memcmp(&w->key, writer, sizeof *writer) == 0 ? writers[i] : 0;
-            dds_builtintopic_free_endpoint(w);
-        }
+    dds_builtintopic_endpoint_t *about = dds_get_matched_publication_data(r->reader, writer);
+    bool writes = about && !local_endpoint_names(about, LOCAL_SHARED_PARTITION);
+    if (writes) {
+        *who = local_alias_find(about);
     }
-    return found;
+    if (about) {
+        dds_builtintopic_free_endpoint(about);
+    }
+    return writes;
 }
 
 uint32_t bus_writer_matches(const struct bus_writer *writer)
@@ -99,14 +108,33 @@ uint32_t bus_writer_matches(const struct bus_writer *writer)
 
 uint32_t bus_writer_matched_ever(const struct bus_writer *writer)
 {
+    if (bus_writer_is_shared(writer)) {
+        return local_matched_ever(writer->local);
+    }
     dds_publication_matched_status_t status;
     dds_return_t code = dds_get_publication_matched_status(writer->writer, &status);
     return code < 0 ? 0 : status.total_count;
 }
 
+/* @return how many of its writers write on DDS: others find any reader, and write by sockets */
+static uint32_t writes_count(const struct bus_reader *reader)
+{
+    dds_instance_handle_t writers[BUS_ENDPOINTS_MAX];
+    dds_return_t count = dds_get_matched_publications(reader->reader, writers, BUS_ENDPOINTS_MAX);
+    dds_guid_t who;
+    uint32_t found = 0;
+    for (dds_return_t i = 0; i < count && i < BUS_ENDPOINTS_MAX; i++) {
+        found += bus_writer_identify(reader, writers[i], &who);
+    }
+    return found;
+}
+
 uint32_t bus_reader_matches(const struct bus_reader *reader)
 {
-    return reader->reader > 0 && reader->bus->participant > 0 ? atomic_load(&reader->writers) : 0;
+    bool is_open = reader->reader > 0 && reader->bus->participant > 0;
+    uint32_t writers = is_open ? atomic_load(&reader->writers) : 0;
+    bool all_write = writers == 0 || !topic_table[reader->topic].local || reader->connected > 0;
+    return all_write ? writers : writes_count(reader);
 }
 
 /* --- of another version ----------------------------------------------------------------------- */

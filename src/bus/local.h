@@ -53,8 +53,9 @@ bool local_has(struct bus_reader *r, const dds_sample_info_t *info);
 
 /* --- bus_matches.c --- */
 
-/** @return what a reader has of the writer of that GUID; 0: it has not found it, or misses it */
-dds_instance_handle_t bus_writer_find(const struct bus_reader *r, const dds_guid_t *writer);
+/** Finds out who a writer is on sockets.  @return false: the reader misses it, or it only finds
+ * readers (local_shared.h) */
+bool bus_writer_identify(const struct bus_reader *r, dds_instance_handle_t writer, dds_guid_t *who);
 
 /* --- local_pair.c --- */
 
@@ -66,11 +67,18 @@ void local_pair_ready(struct local_source *source, uint32_t events);
 /** Closes what the bus's writers have not closed themselves. */
 void local_writers_close(struct bus *bus);
 
-/** Takes note of a writer whose topic has sockets.  @param last  the partition whose readers have a
- * sample last, which must stay; NULL: none */
-void local_writer_open(struct bus *bus, enum bus_topic topic, const char *last,
-                       struct bus_writer *w);
+/** Takes note of a writer on DDS, if its topic has sockets.  A process that writes to all of a
+ * topic writes to many partitions: those of them that are opened later share a second writer.
+ *
+ * @param first  its partition
+ * @param last   the partition whose readers have a sample last, which must stay; NULL: none */
+void local_writer_open(struct bus_writer *w, const char *first, const char *last);
 
+/** Opens a writer to a partition that is not on DDS before a reader needs that (local_shared.h).
+ * @return whether there is one to share */
+bool local_writer_share(struct bus_writer *w, const char *partition);
+
+/** Closes a writer with sockets, if it is one. */
 void local_writer_close(struct bus_writer *w);
 
 /** Connects all writers to the readers that DDS has matched. */
@@ -78,6 +86,15 @@ void local_match(struct bus *bus);
 
 /** @return how many readers DDS has matched, of which at most BUS_ENDPOINTS_MAX count */
 uint32_t local_matches(struct local_writer *o);
+
+/** @return a number that is higher when it has matched more of them than before */
+uint32_t local_matched_ever(struct local_writer *o);
+
+/** Finds the process that reads the partition of one that shares.  @return whether there is one */
+bool local_process_find(struct local_writer *o, const char *partition, dds_guid_t *process);
+
+/** @return the writer on DDS; 0: there is none */
+dds_entity_t local_on_dds(const struct local_writer *o);
 
 /** @return whether a sample can be written now: all pairs are settled, and take more */
 bool local_has_room(struct local_writer *o);

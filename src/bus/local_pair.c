@@ -26,16 +26,16 @@ static bool token_find(const struct bus *bus, const dds_builtintopic_endpoint_t 
            local_token_find(reader, token);
 }
 
-void local_pair_ask(struct local_pair *p)
+void local_pair_ask(struct local_pair *p, dds_entity_t finder,
+                    const dds_builtintopic_endpoint_t *reader)
 {
     struct local_writer *o = p->writer;
-    dds_builtintopic_endpoint_t *reader = dds_get_matched_subscription_data(o->writer, p->reader);
     struct local_token token;
     struct local_hello hello = {.mark = LOCAL_HELLO_MARK};
-    bool has_socket = reader && token_find(o->bus, reader, &token);
+    bool has_socket = token_find(o->bus, reader, &token);
     p->source.fd = has_socket ? local_connect(&token, LOCAL_WAITING_MAX) : -1;
     if (p->source.fd >= 0 && local_is_ours(p->source.fd) &&
-        dds_get_guid(o->writer, &hello.writer) == DDS_RETCODE_OK &&
+        dds_get_guid(finder, &hello.writer) == DDS_RETCODE_OK &&
         send(p->source.fd, &hello, LOCAL_HELLO_FIRST, MSG_NOSIGNAL) == LOCAL_HELLO_FIRST) {
         p->state = PAIR_ASKED;
         local_watch(o->bus, &p->source, EPOLLIN);
@@ -43,10 +43,15 @@ void local_pair_ask(struct local_pair *p)
         o->bus->local_refused += p->source.fd >= 0;
         local_pair_close(p, PAIR_ON_DDS);
     }
-    if (reader) {
-        p->last = o->last && local_endpoint_names(reader, o->last);
-        dds_builtintopic_free_endpoint(reader);
-    }
+    p->last = o->last && local_endpoint_names(reader, o->last);
+    p->process = reader->participant_key;
+}
+
+void local_pair_leave(struct local_pair *p)
+{
+    local_pair_close(p, p->match == PAIR_SERVED ? PAIR_ON_DDS : PAIR_LEAVES);
+    p->asked_ns = 0;
+    p->writer->seen--; /* it looks again, and goes onto DDS */
 }
 
 static void answer_take(struct local_pair *p)
@@ -59,7 +64,7 @@ static void answer_take(struct local_pair *p)
         local_change(p->writer->bus, &p->source, 0); /* its end is told all the same */
     } else {
         p->writer->bus->local_refused++;
-        local_pair_close(p, PAIR_ON_DDS);
+        local_pair_leave(p);
     }
 }
 

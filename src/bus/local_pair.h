@@ -13,10 +13,17 @@
 enum { LOCAL_WAITING_MAX = 8 << 20 };
 
 enum pair_state {
-    PAIR_ASKED, /* it is connected, and has no answer yet */
-    PAIR_OPEN,  /* samples go by the socket */
-    PAIR_ENDED, /* the reader has closed it, and DDS will miss it soon */
+    PAIR_ASKED,  /* it is connected, and has no answer yet */
+    PAIR_OPEN,   /* samples go by the socket */
+    PAIR_ENDED,  /* the reader has closed it, and DDS will miss it soon */
+    PAIR_LEAVES, /* it was asked in vain, and samples wait until DDS serves it */
     PAIR_ON_DDS,
+};
+
+/* What DDS has matched the reader with. */
+enum pair_match {
+    PAIR_FOUND,  /* the writer that is shared (local_shared.h) */
+    PAIR_SERVED, /* the writer itself */
 };
 
 /* A writer and one of its readers. */
@@ -25,9 +32,11 @@ struct local_pair {
     struct local_pair *next;
     struct local_writer *writer;
     dds_instance_handle_t reader; /* on DDS */
+    dds_guid_t process;           /* the reader's */
     enum pair_state state;
+    enum pair_match match;
+    uint32_t met;          /* of the writer's `seen`, when DDS last had it */
     bool last;             /* behind all those that are not */
-    bool matched;          /* DDS still has it */
     uint64_t asked_ns;     /* since when a sample waits for the answer; 0: none does */
     char *waiting;         /* what the kernel did not take */
     size_t size, from, to; /* of waiting, and what is in it */
@@ -38,16 +47,22 @@ struct local_writer {
     struct bus *bus;
     struct local_writer *next; /* of the bus */
     enum bus_topic topic;
-    const char *last; /* the partition of readers that are last; NULL: none */
-    dds_entity_t writer;
-    uint32_t seen; /* of bus->matches, when it last looked */
+    const char *last;    /* the partition of readers that are last; NULL: none */
+    char *partition;     /* what it shares the bus's writer for; NULL: it shares nothing */
+    dds_entity_t writer; /* 0: it is not on DDS */
+    uint32_t seen;       /* of bus->matches, when it last looked */
+    uint32_t ever;       /* how many readers it has found, and how many DDS serves */
     dds_time_t stamp;
     struct local_pair *pairs;
 };
 
-/** Asks a reader that DDS has matched for a socket.  One without a socket, of another host or
- * another user stays with DDS. */
-void local_pair_ask(struct local_pair *p);
+/** Asks a reader for a socket.  One without a socket, of another host or another user stays with
+ * DDS.  @param finder  the writer that DDS has matched it with */
+void local_pair_ask(struct local_pair *p, dds_entity_t finder,
+                    const dds_builtintopic_endpoint_t *reader);
+
+/** Leaves a reader that was asked to DDS. */
+void local_pair_leave(struct local_pair *p);
 
 /** Writes a frame, or keeps what the kernel does not take. */
 void local_pair_write(struct local_pair *p, const char *frame, size_t size);

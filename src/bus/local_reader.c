@@ -28,13 +28,12 @@ struct local_input {
     struct local_source source;
     struct local_input *next; /* of the door */
     struct local_input *next_queued;
-    struct bus *bus;
     struct bus_reader *reader;
     enum local_state state;
     bool queued; /* it has something for the program */
     bool met;    /* it was, or is */
     struct local_hello hello;
-    dds_instance_handle_t writer; /* on DDS; 0: not known yet */
+    dds_instance_handle_t writer; /* on DDS; 0: not known */
     char *data;
     size_t size, head, tail;
     size_t counted;  /* up to here samples were counted */
@@ -47,7 +46,8 @@ struct local_door {
     struct bus_reader *reader;
     struct local_input *inputs;
     struct local_input *first, *last; /* those that have something, in the order of its arrival */
-    int spare; /* a descriptor for those that are to be refused when none is left */
+    uint32_t looked; /* of the reader's writers_ever, when it last looked for those on DDS */
+    int spare;       /* a descriptor for those that are to be refused when none is left */
 };
 
 /* --- the door --------------------------------------------------------------------------------- */
@@ -72,7 +72,7 @@ void local_reader_open(struct bus_reader *r, dds_qos_t *qos)
 
 static void input_close(struct local_input *in, enum local_state state)
 {
-    local_unwatch(in->bus, &in->source);
+    local_unwatch(in->reader->bus, &in->source);
     in->state = state;
 }
 
@@ -83,23 +83,39 @@ static void input_free(struct local_input *in)
     dds_free(in);
 }
 
+/* Notes which of the connections are of writers that DDS has found. */
+static void writers_look(struct local_door *door)
+{
+    struct bus_reader *r = door->reader;
+    dds_instance_handle_t writers[BUS_ENDPOINTS_MAX];
+    uint32_t ever = atomic_load(&r->writers_ever);
+    dds_return_t count = door->looked != ever
+                             ? dds_get_matched_publications(r->reader, writers, BUS_ENDPOINTS_MAX)
+                             : 0;
+    door->looked = ever;
+    for (dds_return_t i = 0; i < count && i < BUS_ENDPOINTS_MAX; i++) {
+        dds_guid_t who;
+        bool writes = bus_writer_identify(r, writers[i], &who);
+        for (struct local_input *in = writes ? door->inputs : NULL; in; in = in->next) {
+            bool is_its = in->met && memcmp(&in->hello.writer, &who, sizeof who) == 0;
+            in->writer = is_its ? writers[i] : in->writer;
+        }
+    }
+}
+
 /* What ended is kept while DDS may still bring samples of its writer. */
 static void ended_free(struct local_door *door)
 {
     struct local_input *in;
+    dds_guid_t who;
+    writers_look(door);
     for (struct local_input **at = &door->inputs; (in = *at);) {
-        dds_builtintopic_endpoint_t *writer =
-            in->state == INPUT_OVER && in->writer
-                ? dds_get_matched_publication_data(door->reader->reader, in->writer)
-                : NULL;
-        if (in->state == INPUT_OVER && !in->queued && !writer) {
+        if (in->state != INPUT_OVER || in->queued ||
+            (in->writer && bus_writer_identify(door->reader, in->writer, &who))) {
+            at = &in->next;
+        } else {
             *at = in->next;
             input_free(in);
-        } else {
-            at = &in->next;
-        }
-        if (writer) {
-            dds_builtintopic_free_endpoint(writer);
         }
     }
 }
@@ -129,7 +145,6 @@ static void door_accept(struct bus *bus, struct local_door *door)
         struct local_input *in = local_memory(sizeof *in);
         *in = (struct local_input){.source = {LOCAL_INPUT, fd},
                                    .next = door->inputs,
-                                   .bus = bus,
                                    .reader = door->reader,
                                    .data = local_memory(ROOM_FIRST),
                                    .size = ROOM_FIRST};
@@ -155,11 +170,11 @@ static void door_free(struct bus *bus, struct local_door *door)
 
 void local_reader_close(struct bus_reader *r)
 {
-    if (r->door) {
-        struct local_door **at = &r->bus->doors;
-        while (*at != r->door) {
-            at = &(*at)->next;
-        }
+    struct local_door **at = &r->bus->doors;
+    while (*at && *at != r->door) {
+        at = &(*at)->next;
+    }
+    if (*at) {
         *at = r->door->next;
         door_free(r->bus, r->door);
         r->door = NULL;
@@ -196,7 +211,7 @@ static void queue_put(struct local_door *door, struct local_input *in)
 /* There is a sample more for the program, or an end. */
 static void news_note(struct local_input *in)
 {
-    in->bus->local_frames++;
+    in->reader->bus->local_frames++;
     queue_put(in->reader->door, in);
 }
 
@@ -204,13 +219,14 @@ static void frame_drop(struct local_input *in)
 {
     in->head += frame_size(in, in->head);
     in->frames--;
-    in->bus->local_frames--;
+    in->reader->bus->local_frames--;
 }
 
 static void input_end(struct local_input *in)
 {
     input_close(in, in->met ? INPUT_ENDED : INPUT_OVER);
     if (in->met) {
+        in->reader->connected--;
         news_note(in);
     }
 }
@@ -221,7 +237,7 @@ static bool frames_count(struct local_input *in)
     while (in->tail - in->counted >= CDR_FRAME_HEAD) {
         size_t size = frame_size(in, in->counted);
         if (size < CDR_FRAME_HEAD || size % CDR_FRAME_HEAD != 0) {
-            in->bus->malformed++;
+            in->reader->bus->malformed++;
             return false;
         }
         if (in->tail - in->counted < size) {
@@ -230,7 +246,7 @@ static bool frames_count(struct local_input *in)
         in->counted += size;
         in->frames++;
         news_note(in);
-        local_came(in->bus, &in->source);
+        local_came(in->reader->bus, &in->source);
     }
     /* A reader that keeps the last sample alone has no use for those before. */
     while (!topic_table[in->reader->topic].keeps_all && in->frames > 1) {
@@ -246,7 +262,7 @@ static bool input_meet(struct local_input *in)
         memcpy(&in->hello, in->data, LOCAL_HELLO_FIRST);
         if (in->hello.mark != LOCAL_HELLO_MARK ||
             send(in->source.fd, "", 1, MSG_NOSIGNAL | MSG_DONTWAIT) != 1) {
-            in->bus->local_refused++;
+            in->reader->bus->local_refused++;
             input_end(in);
             return false;
         }
@@ -257,6 +273,8 @@ static bool input_meet(struct local_input *in)
         in->head = in->counted = sizeof in->hello;
         in->state = INPUT_MET;
         in->met = true;
+        in->reader->connected++;
+        in->reader->door->looked--;
     }
     return in->met;
 }
@@ -280,7 +298,7 @@ static void room_make(struct local_input *in)
 static void input_pause(struct local_input *in, bool pause)
 {
     in->state = pause ? INPUT_PAUSED : INPUT_MET;
-    local_change(in->bus, &in->source, pause ? 0 : EPOLLIN);
+    local_change(in->reader->bus, &in->source, pause ? 0 : EPOLLIN);
 }
 
 /* @return whether its room was filled: more may be there */
@@ -306,18 +324,14 @@ static bool input_fill(struct local_input *in)
 /* Where the last sample alone counts, it is the last that is there now. */
 static void input_read(struct local_input *in)
 {
-    bool keeps_all = topic_table[in->reader->topic].keeps_all;
-    while (input_fill(in) && !keeps_all) {
+    while (input_fill(in) && !topic_table[in->reader->topic].keeps_all) {
     }
 }
 
 void local_reader_ready(struct bus *bus, struct local_source *source)
 {
-    if (source->kind == LOCAL_DOOR) {
-        door_accept(bus, (struct local_door *)source);
-    } else {
-        input_read((struct local_input *)source);
-    }
+    source->kind == LOCAL_DOOR ? door_accept(bus, (struct local_door *)source)
+                               : input_read((struct local_input *)source);
 }
 
 /* --- taking ----------------------------------------------------------------------------------- */
@@ -329,7 +343,7 @@ static bool frame_decode(struct local_input *in, void *sample)
     const char *frame = in->data + in->head;
     bool whole =
         cdr_take(sample, frame + CDR_FRAME_HEAD, frame_size(in, in->head) - CDR_FRAME_HEAD, ops);
-    in->bus->malformed += !whole;
+    in->reader->bus->malformed += !whole;
     frame_drop(in);
     return whole;
 }
@@ -375,13 +389,12 @@ int32_t local_take(struct bus_reader *r)
 
 bool local_has(struct bus_reader *r, const dds_sample_info_t *info)
 {
-    for (struct local_input *in = r->door ? r->door->inputs : NULL; in; in = in->next) {
-        if (in->met && in->writer == 0) {
-            in->writer = bus_writer_find(r, &in->hello.writer);
-        }
-        if (in->met && in->writer == info->publication_handle) {
-            return info->source_timestamp > in->hello.since_ns;
-        }
+    const struct local_input *in = r->door ? r->door->inputs : NULL;
+    if (in) {
+        writers_look(r->door);
     }
-    return false;
+    while (in && in->writer != info->publication_handle) {
+        in = in->next;
+    }
+    return in && info->source_timestamp > in->hello.since_ns;
 }

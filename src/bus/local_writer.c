@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "bus/local_frame.h"
 #include "bus/local_pair.h"
-#include "bus/local_token.h"
+#include "bus/local_shared.h"
 #include "bus/topics.h"
 #include "core/clock.h"
 
@@ -12,20 +12,38 @@
  * runs answers between two samples. */
 static const uint64_t ANSWER_NS = 500000000;
 
-void local_writer_open(struct bus *bus, enum bus_topic topic, const char *last,
-                       struct bus_writer *w)
+static void writer_note(struct bus_writer *w, const char *last, const char *partition)
 {
-    if (!bus->local || !topic_table[topic].local) {
-        return;
-    }
+    struct bus *bus = w->bus;
     struct local_writer *o = local_memory(sizeof *o);
     *o = (struct local_writer){.bus = bus,
                                .next = bus->locals,
-                               .topic = topic,
+                               .topic = w->topic,
                                .last = last,
+                               .partition = partition ? dds_string_dup(partition) : NULL,
                                .writer = w->writer,
                                .seen = atomic_load(&bus->matches) - 1};
     bus->locals = w->local = o;
+}
+
+void local_writer_open(struct bus_writer *w, const char *first, const char *last)
+{
+    if (!w->bus->local || !topic_table[w->topic].local) {
+        return;
+    }
+    writer_note(w, last, NULL);
+    if (!w->bus->shared && first && strcmp(first, BUS_TO_ALL) == 0) {
+        local_shared_open(w->bus, w->topic);
+    }
+}
+
+bool local_writer_share(struct bus_writer *w, const char *partition)
+{
+    bool shares = w->bus->shared && w->bus->shared->topic == w->topic && partition;
+    if (shares) {
+        writer_note(w, NULL, partition);
+    }
+    return shares;
 }
 
 static void pair_free(struct local_pair *p)
@@ -40,19 +58,22 @@ static void writer_free(struct local_writer *o)
         next = p->next;
         pair_free(p);
     }
+    dds_free(o->partition);
     dds_free(o);
 }
 
 void local_writer_close(struct bus_writer *w)
 {
-    if (w->local) {
+    struct local_writer *o = w->local;
+    if (o) {
         struct local_writer **at = &w->bus->locals;
-        while (*at != w->local) {
+        while (*at != o) {
             at = &(*at)->next;
         }
-        *at = w->local->next;
-        writer_free(w->local);
-        w->local = NULL;
+        *at = o->next;
+        topics_writer_delete(o->writer);
+        writer_free(o);
+        *w = (struct bus_writer){0};
     }
 }
 
@@ -62,37 +83,98 @@ void local_writers_close(struct bus *bus)
         bus->locals = o->next;
         writer_free(o);
     }
+    local_shared_close(bus);
 }
 
-static void pair_keep(struct local_writer *o, dds_instance_handle_t reader)
+/* --- the pairs of a writer -------------------------------------------------------------------- */
+
+/* @return a pair with a reader that a writer has found; NULL: it misses it already */
+static struct local_pair *pair_add(struct local_writer *o, dds_entity_t finder,
+                                   dds_instance_handle_t reader, enum pair_match match)
 {
+    dds_builtintopic_endpoint_t *about = dds_get_matched_subscription_data(finder, reader);
+    if (!about) {
+        return NULL;
+    }
+    struct local_pair *p = local_memory(sizeof *p);
+    *p = (struct local_pair){
+        .source = {LOCAL_OUTPUT, -1}, .writer = o, .reader = reader, .match = match};
+    local_pair_ask(p, finder, about);
+    dds_builtintopic_free_endpoint(about);
     struct local_pair **at = &o->pairs;
-    while (*at && (*at)->reader != reader) {
+    while (*at && p->last) {
         at = &(*at)->next;
     }
-    struct local_pair *p = *at;
-    if (!p) {
-        p = local_memory(sizeof *p);
-        *p = (struct local_pair){.source = {LOCAL_OUTPUT, -1}, .writer = o, .reader = reader};
-        local_pair_ask(p);
-        at = p->last ? at : &o->pairs;
-        p->next = *at;
-        *at = p;
+    p->next = *at;
+    *at = p;
+    o->ever++;
+    return p;
+}
+
+static void pair_keep(struct local_writer *o, dds_entity_t finder, dds_instance_handle_t reader,
+                      enum pair_match match)
+{
+    struct local_pair *p = o->pairs;
+    while (p && p->reader != reader) {
+        p = p->next;
     }
-    p->matched = true;
+    p = p ? p : pair_add(o, finder, reader, match);
+    if (!p) {
+        return;
+    }
+    if (match > p->match) {
+        p->match = match;
+        p->state = p->state == PAIR_LEAVES ? PAIR_ON_DDS : p->state;
+        o->ever++;
+    }
+    p->met = o->seen;
 }
 
 static void pairs_drop(struct local_writer *o)
 {
     struct local_pair *p;
     for (struct local_pair **at = &o->pairs; (p = *at);) {
-        if (p->matched) {
-            p->matched = false;
+        if (p->met == o->seen) {
             at = &p->next;
         } else {
             *at = p->next;
             pair_free(p);
         }
+    }
+}
+
+/* @return whether a reader gets its samples by DDS, or is to get them so */
+static bool is_wanted_on_dds(const struct local_writer *o)
+{
+    bool is_wanted = false;
+    for (const struct local_pair *p = o->pairs; p; p = p->next) {
+        is_wanted = is_wanted || p->state == PAIR_ON_DDS || p->state == PAIR_LEAVES;
+    }
+    return is_wanted;
+}
+
+/* One that shares goes onto DDS.  Its readers have their sockets from the one that is shared. */
+static void writer_go(struct local_writer *o)
+{
+    dds_guid_t shared;
+    dds_entity_t writer = dds_get_guid(o->bus->shared->writer, &shared);
+    writer = writer < 0 ? writer : topics_writer(o->bus, o->topic, o->partition, NULL, &shared);
+    o->writer = writer > 0 ? writer : 0; /* the next look tries again */
+}
+
+static void pairs_keep(struct local_writer *o)
+{
+    dds_instance_handle_t readers[BUS_ENDPOINTS_MAX];
+    struct local_shared *shared = o->partition ? o->bus->shared : NULL;
+    uint32_t found =
+        shared ? local_shared_readers(shared, o->partition, readers, BUS_ENDPOINTS_MAX) : 0;
+    for (uint32_t i = 0; i < found; i++) {
+        pair_keep(o, shared->writer, readers[i], PAIR_FOUND);
+    }
+    dds_return_t count =
+        o->writer ? dds_get_matched_subscriptions(o->writer, readers, BUS_ENDPOINTS_MAX) : 0;
+    for (dds_return_t i = 0; i < count && i < BUS_ENDPOINTS_MAX; i++) {
+        pair_keep(o, o->writer, readers[i], PAIR_SERVED);
     }
 }
 
@@ -103,12 +185,11 @@ static void writer_match(struct local_writer *o)
         return;
     }
     o->seen = matches;
-    dds_instance_handle_t readers[BUS_ENDPOINTS_MAX];
-    dds_return_t count = dds_get_matched_subscriptions(o->writer, readers, BUS_ENDPOINTS_MAX);
-    for (dds_return_t i = 0; i < count && i < BUS_ENDPOINTS_MAX; i++) {
-        pair_keep(o, readers[i]);
-    }
+    pairs_keep(o);
     pairs_drop(o);
+    if (!o->writer && (is_wanted_on_dds(o) || o->bus->shared->patterns > 0)) {
+        writer_go(o);
+    }
 }
 
 void local_match(struct bus *bus)
@@ -118,29 +199,58 @@ void local_match(struct bus *bus)
     }
 }
 
+/* @return whether DDS has matched it with the writer that it gets its samples from */
+static bool pair_counts(const struct local_pair *p)
+{
+    return p->match == PAIR_SERVED || p->state != PAIR_ON_DDS;
+}
+
 uint32_t local_matches(struct local_writer *o)
 {
     uint32_t count = 0;
     writer_match(o);
     for (const struct local_pair *p = o->pairs; p; p = p->next) {
-        count++;
+        count += pair_counts(p);
     }
     return count;
 }
 
+uint32_t local_matched_ever(struct local_writer *o)
+{
+    writer_match(o);
+    return o->ever;
+}
+
+bool local_process_find(struct local_writer *o, const char *partition, dds_guid_t *process)
+{
+    bool found = false;
+    writer_match(o);
+    for (const struct local_pair *p = o->pairs; p; p = p->next) {
+        bool is_its = pair_counts(p) && strcmp(o->partition, partition) == 0;
+        if (is_its && (!found || p->state != PAIR_ON_DDS)) { /* or it may be a tool */
+            *process = p->process;
+            found = true;
+        }
+    }
+    return found;
+}
+
 /* --- writing ---------------------------------------------------------------------------------- */
+
+static bool pair_waits(const struct local_pair *p)
+{
+    return p->state == PAIR_ASKED || p->state == PAIR_LEAVES;
+}
 
 /* @return whether the pair is settled: the reader has answered, or has had its time */
 static bool pair_settle(struct local_pair *p)
 {
-    if (p->state == PAIR_ASKED) {
-        uint64_t now_ns = mu_clock_ns();
-        p->asked_ns = p->asked_ns ? p->asked_ns : now_ns;
-        if (now_ns - p->asked_ns > ANSWER_NS) {
-            local_pair_close(p, PAIR_ON_DDS);
-        }
+    uint64_t now_ns = pair_waits(p) ? mu_clock_ns() : 0;
+    p->asked_ns = p->asked_ns ? p->asked_ns : now_ns;
+    if (pair_waits(p) && now_ns - p->asked_ns > ANSWER_NS) {
+        p->state == PAIR_ASKED ? local_pair_leave(p) : local_pair_close(p, PAIR_ON_DDS);
     }
-    return p->state != PAIR_ASKED;
+    return !pair_waits(p);
 }
 
 bool local_has_room(struct local_writer *o)
@@ -158,11 +268,12 @@ bool local_has_room(struct local_writer *o)
 
 bool local_needs_dds(const struct local_writer *o)
 {
-    bool needs = false;
-    for (const struct local_pair *p = o->pairs; p; p = p->next) {
-        needs = needs || p->state == PAIR_ON_DDS;
-    }
-    return needs;
+    return o->writer && is_wanted_on_dds(o);
+}
+
+dds_entity_t local_on_dds(const struct local_writer *o)
+{
+    return o->writer;
 }
 
 void local_write(struct local_writer *o, const char *frame)
@@ -182,7 +293,7 @@ void bus_ways(const struct bus *bus, struct bus_ways *ways)
     for (const struct local_writer *o = bus->locals; o; o = o->next) {
         for (const struct local_pair *p = o->pairs; p; p = p->next) {
             ways->sockets += p->state == PAIR_OPEN;
-            ways->dds += p->state == PAIR_ON_DDS;
+            ways->dds += p->state == PAIR_ON_DDS || p->state == PAIR_LEAVES;
         }
     }
 }

@@ -2,6 +2,7 @@
 #include "bus/topics.h"
 
 #include "bus/check.h"
+#include "bus/local_token.h"
 #include "wire.h"
 
 #include <stdio.h>
@@ -105,6 +106,84 @@ dds_qos_t *topics_qos(const struct topic *topic)
         dds_qset_liveliness(qos, DDS_LIVELINESS_AUTOMATIC, topic->liveliness_ns);
     }
     return qos;
+}
+
+/* The same without what a tool can learn the type from. */
+static dds_topic_descriptor_t descriptor_untyped(const dds_topic_descriptor_t *d)
+{
+    return (dds_topic_descriptor_t){.m_size = d->m_size,
+                                    .m_align = d->m_align,
+                                    .m_flagset = d->m_flagset & ~DDS_TOPIC_XTYPES_METADATA,
+                                    .m_nkeys = d->m_nkeys,
+                                    .m_typename = d->m_typename,
+                                    .m_keys = d->m_keys,
+                                    .m_nops = d->m_nops,
+                                    .m_ops = d->m_ops,
+                                    .m_meta = d->m_meta};
+}
+
+static bool is_described(const struct bus *bus, const struct topic *t, const char *partition)
+{
+    if (bus->place == BUS_OBSERVER) {
+        return true;
+    }
+    bool is_agent = bus->place == BUS_AGENT;
+    return t->describer == DESCRIBED_TO_ALL
+               ? !is_agent && partition && strcmp(partition, BUS_TO_ALL) == 0
+               : is_agent == (t->describer == DESCRIBED_BY_AGENTS);
+}
+
+dds_entity_t topics_open(struct bus *bus, enum bus_topic topic, const char *partition)
+{
+    const struct topic *t = &topic_table[topic];
+    bool described = is_described(bus, t, partition);
+    int32_t *made = &bus->topics[topic][described];
+    if (*made <= 0) {
+        const dds_topic_descriptor_t bare = descriptor_untyped(t->descriptor);
+        *made = dds_create_topic(bus->participant, described ? t->descriptor : &bare, t->name, NULL,
+                                 NULL);
+    }
+    return *made;
+}
+
+static void matches_count(dds_entity_t writer, dds_publication_matched_status_t status, void *bus)
+{
+    (void)writer;
+    (void)status;
+    atomic_fetch_add(&((struct bus *)bus)->matches, 1);
+}
+
+dds_entity_t topics_writer(struct bus *bus, enum bus_topic topic, const char *first,
+                           const char *second, const dds_guid_t *alias)
+{
+    dds_entity_t about = topics_open(bus, topic, first);
+    const char *partitions[] = {first ? first : "", second};
+    dds_qos_t *group = dds_create_qos();
+    dds_qset_partition(group, second ? 2 : 1, partitions);
+    dds_entity_t publisher = dds_create_publisher(bus->participant, group, NULL);
+    dds_delete_qos(group);
+    dds_qos_t *qos = topics_qos(&topic_table[topic]);
+    if (alias) {
+        local_alias_set(qos, alias);
+    }
+    dds_listener_t *listener = dds_create_listener(bus);
+    if (topic_table[topic].local) {
+        dds_lset_publication_matched(listener, matches_count);
+    }
+    dds_entity_t writer = about < 0 ? about : dds_create_writer(publisher, about, qos, listener);
+    dds_delete_listener(listener);
+    dds_delete_qos(qos);
+    if (writer < 0) {
+        dds_delete(publisher);
+    }
+    return writer;
+}
+
+void topics_writer_delete(dds_entity_t writer)
+{
+    if (writer > 0) {
+        dds_delete(dds_get_parent(writer)); /* its publisher, and it */
+    }
 }
 
 void bus_print_topics(void)

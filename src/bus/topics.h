@@ -51,4 +51,16 @@ int32_t topics_depth(const struct topic *topic);
 /** Makes the quality of service of a topic; the caller deletes it. */
 dds_qos_t *topics_qos(const struct topic *topic);
 
+/** @return the topic as an endpoint in that partition has it, or the fault of DDS */
+dds_entity_t topics_open(struct bus *bus, enum bus_topic topic, const char *partition);
+
+/** Makes a writer, with a publisher of its own, into one or two partitions, as bus_writer_open.
+ * @param alias  who it is on sockets; NULL: itself
+ * @return it, or the fault of DDS */
+dds_entity_t topics_writer(struct bus *bus, enum bus_topic topic, const char *first,
+                           const char *second, const dds_guid_t *alias);
+
+/** Deletes a writer and its publisher, if there is one. */
+void topics_writer_delete(dds_entity_t writer);
+
 #endif

@@ -112,8 +112,8 @@ static mu_result writer_open(struct feed *feed, const struct bus *bus, dds_entit
                              const dds_qos_t *group, const dds_qos_t *qos)
 {
     feed->type = topic > 0 ? type_find(bus, topic) : NULL;
-    feed->out.publisher = dds_create_publisher(bus->participant, group, NULL);
-    feed->out.writer = dds_create_writer(feed->out.publisher, topic, qos, NULL);
+    dds_entity_t publisher = dds_create_publisher(bus->participant, group, NULL);
+    feed->out.writer = dds_create_writer(publisher, topic, qos, NULL);
     return feed->type && feed->out.writer > 0 ? MU_OK : MU_FAULT_DDS;
 }
 

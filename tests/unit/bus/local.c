@@ -6,6 +6,7 @@
  */
 #include "bus/bus.h"
 #include "bus/local_frame.h"
+#include "bus/local_shared.h"
 #include "bus/local_token.h"
 #include "bus/topics.h"
 #include "core/clock.h"
@@ -56,7 +57,8 @@ struct scene {
 };
 
 static struct bus bus;
-static struct bus_writer writer;
+static struct bus_writer writer, to_all;
+static bool shares; /* the writer has one on DDS when a reader needs it (local_shared.h) */
 static struct bus_reader own;
 static int next_domain;
 static char content[MU_CONTENT_MAX + 1];
@@ -197,8 +199,7 @@ static void expect_steps(const struct side *s, int64_t first, int64_t last)
 
 static void expect_no_word(const struct side *s)
 {
-    struct word w;
-    CU_ASSERT_FALSE(word_get(s, &w, 60));
+    CU_ASSERT_FALSE(word_get(s, &(struct word){0}, 60));
 }
 
 /* --- here ------------------------------------------------------------------------------------- */
@@ -217,13 +218,13 @@ ssize_t send(int fd, const void *data, size_t size, int flags)
     return sendto(fd, data, size, flags, NULL, 0);
 }
 
-static void readers_await(uint32_t readers)
+static void matches_await(const struct bus_writer *w, uint32_t readers)
 {
     uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
-    while (bus_writer_matches(&writer) < readers && mu_clock_ns() < until_ns) {
+    while (bus_writer_matches(w) != readers && mu_clock_ns() < until_ns) {
         bus_wait(&bus, 1, WAIT_NS);
     }
-    CU_ASSERT_EQUAL_FATAL(bus_writer_matches(&writer), readers);
+    CU_ASSERT_EQUAL_FATAL(bus_writer_matches(w), readers);
 }
 
 /* A scene: the process is forked before this one touches DDS, which does not survive it. */
@@ -233,11 +234,15 @@ static struct side scene_begin(const struct scene *scene, uint32_t readers)
     struct bus_options options = {
         .domain = next_domain, .place = BUS_AGENT, .name = "writer", .local = "on"};
     CU_ASSERT_EQUAL_FATAL(bus_open(&bus, &options), MU_OK);
-    CU_ASSERT_EQUAL_FATAL(bus_writer_open(&bus, scene->topic, "p1", "last", &writer), MU_OK);
+    if (shares) {
+        CU_ASSERT(bus_writer_open(&bus, BUS_DELIVERY, BUS_TO_ALL, NULL, &to_all) == MU_OK);
+    }
+    const char *second = shares ? NULL : "last";
+    CU_ASSERT_EQUAL_FATAL(bus_writer_open(&bus, scene->topic, "p1", second, &writer), MU_OK);
     if (readers > 1) {
         CU_ASSERT_EQUAL_FATAL(bus_reader_open(&bus, scene->topic, "p1", &own), MU_OK);
     }
-    readers_await(readers);
+    matches_await(&writer, readers);
     return s;
 }
 
@@ -248,6 +253,12 @@ static void scene_end(struct side *s)
     bus_close(&bus);
     side_end(s);
     next_domain++;
+}
+
+/* @return the writer of ours that has found the reader on DDS */
+static dds_entity_t finder(void)
+{
+    return shares ? bus.shared->writer : writer.writer;
 }
 
 static mu_result step_try(const struct scene *scene, int64_t step, uint32_t parcels)
@@ -350,30 +361,58 @@ static uint32_t samples_of(dds_entity_t reader)
     return count;
 }
 
+static dds_entity_t topic_of(dds_entity_t participant)
+{
+    return dds_create_topic(participant, &muster_Delivery_desc, topic_table[BUS_DELIVERY].name,
+                            NULL, NULL);
+}
+
+/* @return a reader of Deliveries in a participant of its own */
+static dds_entity_t tool_open(const dds_qos_t *qos)
+{
+    dds_entity_t tool = dds_create_participant((dds_domainid_t)next_domain, NULL, NULL);
+    dds_entity_t reader =
+        dds_create_reader(dds_create_subscriber(tool, qos, NULL), topic_of(tool), qos, NULL);
+    CU_ASSERT_TRUE_FATAL(reader > 0);
+    return reader;
+}
+
+/* A tool comes to a process that reads: both get all, each in its own way. */
+static void expect_both_served(struct side *s, dds_entity_t tool)
+{
+    matches_await(&writer, 2);
+    steps_write(1, 100, 1);
+    expect_ways(1, 1);
+    expect_steps(s, 1, 100);
+    CU_ASSERT_EQUAL(samples_of(tool), 100);
+    expect_no_word(s);
+    dds_delete(dds_get_participant(tool));
+}
+
 /* As `cyclonedds subscribe` does it. */
 static void test_a_tool_that_copies_a_reader_s_qos_gets_all_by_dds(void)
 {
     struct side s = scene_begin(&plain, 1);
     dds_instance_handle_t other = 0;
-    dds_entity_t tool = dds_create_participant((dds_domainid_t)next_domain, NULL, NULL);
-    CU_ASSERT_EQUAL_FATAL(dds_get_matched_subscriptions(writer.writer, &other, 1), 1);
-    dds_builtintopic_endpoint_t *about = dds_get_matched_subscription_data(writer.writer, other);
-    dds_entity_t topic =
-        dds_create_topic(tool, &muster_Delivery_desc, topic_table[BUS_DELIVERY].name, NULL, NULL);
-    dds_entity_t subscriber = dds_create_subscriber(tool, about->qos, NULL);
-    dds_entity_t reader = dds_create_reader(subscriber, topic, about->qos, NULL);
+    CU_ASSERT_EQUAL_FATAL(dds_get_matched_subscriptions(finder(), &other, 1), 1);
+    dds_builtintopic_endpoint_t *about = dds_get_matched_subscription_data(finder(), other);
+    dds_entity_t tool = tool_open(about->qos);
     dds_builtintopic_free_endpoint(about);
-    CU_ASSERT_TRUE_FATAL(reader > 0);
-    uint64_t until_ns = mu_clock_ns() + PATIENCE_NS;
-    while (bus_writer_matches(&writer) < 2 && mu_clock_ns() < until_ns) {
-        bus_wait(&bus, 1, WAIT_NS);
-    }
-    steps_write(1, 100, 1);
-    expect_ways(1, 1);
-    expect_steps(&s, 1, 100);
-    CU_ASSERT_EQUAL(samples_of(reader), 100);
-    expect_no_word(&s);
-    dds_delete(tool);
+    expect_both_served(&s, tool);
+    scene_end(&s);
+}
+
+static void test_a_tool_of_a_pattern_gets_all_by_dds(void)
+{
+    struct side s = scene_begin(&plain, 1);
+    dds_qos_t *qos = topics_qos(&topic_table[BUS_DELIVERY]);
+    dds_qset_partition1(qos, "p?");
+    dds_entity_t tool = tool_open(qos);
+    dds_delete_qos(qos);
+    expect_both_served(&s, tool);
+    steps_write(101, 200, 1);
+    expect_ways(1, 0); /* it is gone, and the process has its socket */
+    expect_steps(&s, 101, 200);
     scene_end(&s);
 }
 
@@ -499,8 +538,8 @@ static int stranger_connect(bool hello)
 {
     dds_instance_handle_t reader = 0;
     struct local_token token;
-    CU_ASSERT_EQUAL_FATAL(dds_get_matched_subscriptions(writer.writer, &reader, 1), 1);
-    dds_builtintopic_endpoint_t *about = dds_get_matched_subscription_data(writer.writer, reader);
+    CU_ASSERT_EQUAL_FATAL(dds_get_matched_subscriptions(finder(), &reader, 1), 1);
+    dds_builtintopic_endpoint_t *about = dds_get_matched_subscription_data(finder(), reader);
     CU_ASSERT_TRUE_FATAL(local_token_find(about, &token));
     dds_builtintopic_free_endpoint(about);
     int fd = local_connect(&token, 65536);
@@ -579,7 +618,6 @@ static void test_a_child_disturbs_nothing(void)
     scene_end(&s);
 }
 
-/* A sample of a rule that the wire breaks is dropped, as one of DDS. */
 static void other_write(const struct bus_writer *other, int64_t step)
 {
     const muster_Delivery d = {.process = words("p1"), .step = step};
@@ -595,9 +633,7 @@ static void test_pairs_come_and_their_writers_go(void)
     struct side s = scene_begin(&pairs, 1);
     struct bus_writer other;
     CU_ASSERT_EQUAL_FATAL(bus_writer_open(&bus, BUS_DELIVERY, "p1", NULL, &other), MU_OK);
-    while (bus_writer_matches(&other) == 0) {
-        bus_wait(&bus, 1, WAIT_NS);
-    }
+    matches_await(&other, 1);
     for (int64_t step = 1; step < 80; step += 2) {
         struct word one = {0}, two = {0};
         bool first = step < 40;
@@ -617,6 +653,75 @@ static void test_pairs_come_and_their_writers_go(void)
     scene_end(&s);
 }
 
+static int delivery_writers_on_dds(void)
+{
+    dds_entity_t all =
+        dds_create_reader(bus.participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, NULL, NULL);
+    void *sample[1] = {NULL};
+    dds_sample_info_t info;
+    int count = 0;
+    while (dds_take(all, sample, &info, 1, 1) == 1) {
+        const dds_builtintopic_endpoint_t *about = sample[0];
+        count += strcmp(about->topic_name, topic_table[BUS_DELIVERY].name) == 0;
+        dds_return_loan(all, sample, 1);
+    }
+    dds_delete(all);
+    return count;
+}
+
+static void test_each_partition_has_its_own_samples_and_no_writer(void)
+{
+    const struct scene of_other = {.local = "on", .topic = BUS_DELIVERY, .partition = "p2"};
+    struct side other = side_start(&of_other);
+    struct side s = scene_begin(&plain, 1);
+    struct bus_writer to_other;
+    CU_ASSERT_EQUAL_FATAL(bus_writer_open(&bus, BUS_DELIVERY, "p2", NULL, &to_other), MU_OK);
+    matches_await(&to_other, 1);
+    CU_ASSERT_TRUE(bus_writer_reaches(&to_other, "p2"));
+    CU_ASSERT_FALSE(bus_writer_reaches(&to_other, "p1"));
+    steps_write(1, 50, 1);
+    other_write(&to_other, 51);
+    expect_steps(&other, 51, 51);
+    expect_steps(&s, 1, 50);
+    expect_no_word(&s);
+    CU_ASSERT_EQUAL(delivery_writers_on_dds(), 2); /* to all, and the one that is shared */
+    CU_ASSERT_TRUE(bus_drain(&writer, (int64_t)PATIENCE_NS));
+    bus_writer_close(&to_other);
+    struct word end;
+    CU_ASSERT_TRUE(word_await(&other, &end) && end.life == BUS_LOST);
+    side_end(&other);
+    matches_await(&writer, 1);
+    steps_write(52, 60, 1);
+    expect_steps(&s, 52, 60);
+    scene_end(&s);
+}
+
+/* What another process says that it is, it is not. */
+static void test_a_writer_with_another_s_name_is_heard(void)
+{
+    struct side s = scene_begin(&plain, 1);
+    steps_write(1, 1, 0);
+    expect_steps(&s, 1, 1);
+    dds_guid_t shared;
+    dds_get_guid(finder(), &shared);
+    dds_qos_t *qos = topics_qos(&topic_table[BUS_DELIVERY]);
+    local_alias_set(qos, &shared);
+    dds_qset_partition1(qos, "p1");
+    dds_entity_t tool = dds_create_participant((dds_domainid_t)next_domain, NULL, NULL);
+    dds_entity_t false_one =
+        dds_create_writer(dds_create_publisher(tool, qos, NULL), topic_of(tool), qos, NULL);
+    dds_delete_qos(qos);
+    dds_publication_matched_status_t matched = {0};
+    while (dds_get_publication_matched_status(false_one, &matched) == DDS_RETCODE_OK &&
+           matched.current_count == 0) { /* or the alarm ends it */
+    }
+    const muster_Delivery d = {.process = words("p1"), .step = 11};
+    CU_ASSERT_EQUAL(dds_write(false_one, &d), DDS_RETCODE_OK);
+    expect_steps(&s, 11, 11);
+    dds_delete(tool);
+    scene_end(&s);
+}
+
 static void test_a_reader_of_the_last_partition_is_last(void)
 {
     const struct scene of_last = {.local = "on", .topic = BUS_DELIVERY, .partition = "last"};
@@ -624,7 +729,7 @@ static void test_a_reader_of_the_last_partition_is_last(void)
     struct side first = side_start(&of_first);
     struct side last = scene_begin(&of_last, 1);
     order(&first, 'g');
-    readers_await(2); /* the one that is last has come first */
+    matches_await(&writer, 2); /* the one that is last has come first */
     steps_write(1, 1, 0);
     CU_ASSERT_EQUAL(sent_to[1], first.pid);
     CU_ASSERT_EQUAL(sent_to[0], last.pid);
@@ -632,6 +737,7 @@ static void test_a_reader_of_the_last_partition_is_last(void)
     scene_end(&last);
 }
 
+/* A sample that breaks a rule of the wire is dropped, as one of DDS. */
 static void test_the_border_is_the_same(void)
 {
     struct side s = scene_begin(&plain, 1);
@@ -652,16 +758,23 @@ static int begin(void)
     unsetenv("CYCLONEDDS_URI");
     alarm(120);
     memset(content, 'x', MU_CONTENT_MAX);
-    next_domain = 20 + (int)(getpid() % 180);
+    next_domain = 20 + (int)(getpid() % 140);
+    return 0;
+}
+
+static int begin_shared(void)
+{
+    shares = true;
     return 0;
 }
 
 int main(void)
 {
-    CU_TestInfo tests[] = {
+    CU_TestInfo both[] = {
         {"samples of any size", test_samples_of_any_size_come_whole_and_in_order},
         {"tools beside", test_who_has_no_socket_gets_all_by_dds_and_nobody_twice},
         {"a tool's copy", test_a_tool_that_copies_a_reader_s_qos_gets_all_by_dds},
+        {"a tool's pattern", test_a_tool_of_a_pattern_gets_all_by_dds},
         {"off", test_off_is_dds_alone},
         {"back pressure", test_who_does_not_read_makes_the_writer_wait},
         {"killed", test_who_is_killed_leaves_no_half_sample},
@@ -672,9 +785,16 @@ int main(void)
         {"strangers", test_strangers_harm_nobody},
         {"child", test_a_child_disturbs_nothing},
         {"pairs", test_pairs_come_and_their_writers_go},
-        {"last", test_a_reader_of_the_last_partition_is_last},
         {"border", test_the_border_is_the_same},
         CU_TEST_INFO_NULL};
-    CU_SuiteInfo suites[] = {{"bus/local", begin, NULL, NULL, NULL, tests}, CU_SUITE_INFO_NULL};
+    CU_TestInfo one[] = {{"last", test_a_reader_of_the_last_partition_is_last}, CU_TEST_INFO_NULL};
+    CU_TestInfo shared[] = {{"partitions", test_each_partition_has_its_own_samples_and_no_writer},
+                            {"another's name", test_a_writer_with_another_s_name_is_heard},
+                            CU_TEST_INFO_NULL};
+    CU_SuiteInfo suites[] = {{"bus/local", begin, NULL, NULL, NULL, both},
+                             {"bus/local: order", NULL, NULL, NULL, NULL, one},
+                             {"bus/local: shared", begin_shared, NULL, NULL, NULL, both},
+                             {"bus/local: partitions", NULL, NULL, NULL, NULL, shared},
+                             CU_SUITE_INFO_NULL};
     return suites_run(suites);
 }
