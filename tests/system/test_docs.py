@@ -134,6 +134,15 @@ def test_commands_of_the_pages(chapter):
                 check(at is not None, f"{line}\nis not there, or earlier, in what\n{block}printed:\n{output}")
 
 
+def test_blocks_that_run_at_the_same_time_have_domains_of_their_own():
+    seen = {}
+    for page in pages():
+        for domain in set(re.findall(r"export MUSTER_DOMAIN=(\d+)", page.read_text())):
+            check(domain not in seen, f"domain {domain} is that of {page} and of {seen.get(domain)}")
+            seen[domain] = page
+    check(len(seen) > 10, f"only {len(seen)} domains")
+
+
 def test_every_command_of_the_pages_is_run_or_says_why_not():
     for page in pages():
         for before, line in re.findall(r"^(.*)\n```sh\n(.*)$", page.read_text(), re.M):
