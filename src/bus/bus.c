@@ -61,7 +61,7 @@ mu_result bus_writer_open(struct bus *bus, enum bus_topic topic, const char *fir
     if (!second && local_writer_share(writer, first)) {
         return MU_OK;
     }
-    dds_entity_t made = topics_writer(bus, topic, first, second, NULL);
+    dds_entity_t made = topics_writer(bus, topic, first, second);
     if (made < 0) {
         *writer = (struct bus_writer){0}; /* the caller tries again, each round if need be */
         return bus_fault(topic_table[topic].name, made);

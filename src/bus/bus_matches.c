@@ -83,14 +83,14 @@ bool bus_reader_hears(const struct bus_reader *reader, const struct bus_writer *
                             dds_get_matched_publication_data);
 }
 
-bool bus_writer_identify(const struct bus_reader *r, dds_instance_handle_t writer, dds_guid_t *who)
+bool bus_writer_identify(const struct bus_reader *r, dds_instance_handle_t writer,
+                         dds_guid_t who[2])
 {
     dds_builtintopic_endpoint_t *about = dds_get_matched_publication_data(r->reader, writer);
     bool writes = about && !local_endpoint_names(about, LOCAL_SHARED_PARTITION);
-    if (writes) {
-        *who = local_alias_find(about);
-    }
     if (about) {
+        who[0] = about->key;
+        who[1] = about->participant_key;
         dds_builtintopic_free_endpoint(about);
     }
     return writes;
@@ -121,10 +121,10 @@ static uint32_t writes_count(const struct bus_reader *reader)
 {
     dds_instance_handle_t writers[BUS_ENDPOINTS_MAX];
     dds_return_t count = dds_get_matched_publications(reader->reader, writers, BUS_ENDPOINTS_MAX);
-    dds_guid_t who;
+    dds_guid_t who[2];
     uint32_t found = 0;
     for (dds_return_t i = 0; i < count && i < BUS_ENDPOINTS_MAX; i++) {
-        found += bus_writer_identify(reader, writers[i], &who);
+        found += bus_writer_identify(reader, writers[i], who);
     }
     return found;
 }

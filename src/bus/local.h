@@ -53,9 +53,10 @@ bool local_has(struct bus_reader *r, const dds_sample_info_t *info);
 
 /* --- bus_matches.c --- */
 
-/** Finds out who a writer is on sockets.  @return false: the reader misses it, or it only finds
- * readers (local_shared.h) */
-bool bus_writer_identify(const struct bus_reader *r, dds_instance_handle_t writer, dds_guid_t *who);
+/** Finds out what a writer and its participant are on DDS.  @return false: the reader misses it, or
+ * it only finds readers (local_shared.h) */
+bool bus_writer_identify(const struct bus_reader *r, dds_instance_handle_t writer,
+                         dds_guid_t who[2]);
 
 /* --- local_pair.c --- */
 

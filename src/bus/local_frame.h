@@ -22,7 +22,7 @@
  * it writes comes by the socket. */
 struct local_hello {
     uint64_t mark;
-    dds_guid_t writer;   /* on DDS */
+    dds_guid_t writer;   /* on DDS; its participant: whatever that writes to this reader */
     dds_time_t since_ns; /* what DDS has of it of later times comes by the socket, too */
 };
 enum { LOCAL_HELLO_FIRST = offsetof(struct local_hello, since_ns) };

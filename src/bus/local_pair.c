@@ -26,8 +26,7 @@ static bool token_find(const struct bus *bus, const dds_builtintopic_endpoint_t 
            local_token_find(reader, token);
 }
 
-void local_pair_ask(struct local_pair *p, dds_entity_t finder,
-                    const dds_builtintopic_endpoint_t *reader)
+void local_pair_ask(struct local_pair *p, const dds_builtintopic_endpoint_t *reader)
 {
     struct local_writer *o = p->writer;
     struct local_token token;
@@ -35,7 +34,8 @@ void local_pair_ask(struct local_pair *p, dds_entity_t finder,
     bool has_socket = token_find(o->bus, reader, &token);
     p->source.fd = has_socket ? local_connect(&token, LOCAL_WAITING_MAX) : -1;
     if (p->source.fd >= 0 && local_is_ours(p->source.fd) &&
-        dds_get_guid(finder, &hello.writer) == DDS_RETCODE_OK &&
+        dds_get_guid(o->partition ? o->bus->participant : o->writer, &hello.writer) ==
+            DDS_RETCODE_OK &&
         send(p->source.fd, &hello, LOCAL_HELLO_FIRST, MSG_NOSIGNAL) == LOCAL_HELLO_FIRST) {
         p->state = PAIR_ASKED;
         local_watch(o->bus, &p->source, EPOLLIN);

@@ -57,9 +57,9 @@ struct local_writer {
 };
 
 /** Asks a reader for a socket.  One without a socket, of another host or another user stays with
- * DDS.  @param finder  the writer that DDS has matched it with */
-void local_pair_ask(struct local_pair *p, dds_entity_t finder,
-                    const dds_builtintopic_endpoint_t *reader);
+ * DDS.
+ */
+void local_pair_ask(struct local_pair *p, const dds_builtintopic_endpoint_t *reader);
 
 /** Leaves a reader that was asked to DDS. */
 void local_pair_leave(struct local_pair *p);

@@ -8,8 +8,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <string.h>
-#include <unistd.h>
 
 /* A connection begins with so much room, has up to ROOM where much comes at once, and more only for
  * a sample that is larger.  So many samples of one are taken, and then some of the next. */
@@ -94,10 +92,11 @@ static void writers_look(struct local_door *door)
                              : 0;
     door->looked = ever;
     for (dds_return_t i = 0; i < count && i < BUS_ENDPOINTS_MAX; i++) {
-        dds_guid_t who;
-        bool writes = bus_writer_identify(r, writers[i], &who);
+        dds_guid_t who[2];
+        bool writes = bus_writer_identify(r, writers[i], who);
         for (struct local_input *in = writes ? door->inputs : NULL; in; in = in->next) {
-            bool is_its = in->met && memcmp(&in->hello.writer, &who, sizeof who) == 0;
+            bool is_its = in->met && (memcmp(&in->hello.writer, &who[0], sizeof who[0]) == 0 ||
+                                      memcmp(&in->hello.writer, &who[1], sizeof who[1]) == 0);
             in->writer = is_its ? writers[i] : in->writer;
         }
     }
@@ -107,11 +106,11 @@ static void writers_look(struct local_door *door)
 static void ended_free(struct local_door *door)
 {
     struct local_input *in;
-    dds_guid_t who;
+    dds_guid_t who[2];
     writers_look(door);
     for (struct local_input **at = &door->inputs; (in = *at);) {
         if (in->state != INPUT_OVER || in->queued ||
-            (in->writer && bus_writer_identify(door->reader, in->writer, &who))) {
+            (in->writer && bus_writer_identify(door->reader, in->writer, who))) {
             at = &in->next;
         } else {
             *at = in->next;

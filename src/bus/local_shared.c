@@ -21,7 +21,7 @@ static void news_count(dds_entity_t news, void *bus)
 
 void local_shared_open(struct bus *bus, enum bus_topic topic)
 {
-    dds_entity_t writer = topics_writer(bus, topic, LOCAL_SHARED_PARTITION, NULL, NULL);
+    dds_entity_t writer = topics_writer(bus, topic, LOCAL_SHARED_PARTITION, NULL);
     dds_listener_t *listener = dds_create_listener(bus);
     dds_lset_data_available(listener, news_count);
     dds_entity_t news =

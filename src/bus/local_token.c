@@ -7,7 +7,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-static const char token_mark[8] = "mulocal1", alias_mark[8] = "mualias1";
+static const char token_mark[8] = "mulocal1";
 
 /* @return whether the system had random digits */
 static bool token_draw(struct local_token *token)
@@ -69,27 +69,6 @@ bool local_token_find(const dds_builtintopic_endpoint_t *reader, struct local_to
     }
     dds_free(data);
     return found && memcmp(&token->owner, &reader->participant_key, sizeof token->owner) == 0;
-}
-
-/* Tools copy a quality of service whole: a GUID begins with that of its participant. */
-dds_guid_t local_alias_find(const dds_builtintopic_endpoint_t *writer)
-{
-    enum { PARTICIPANT = 12 };
-    struct local_alias *alias = NULL;
-    size_t size = 0;
-    bool found = writer->qos && dds_qget_userdata(writer->qos, (void **)&alias, &size) &&
-                 size == sizeof *alias && memcmp(alias->mark, alias_mark, sizeof alias_mark) == 0 &&
-                 memcmp(&alias->writer, &writer->key, PARTICIPANT) == 0;
-    dds_guid_t is = found ? alias->writer : writer->key;
-    dds_free(alias);
-    return is;
-}
-
-void local_alias_set(dds_qos_t *qos, const dds_guid_t *writer)
-{
-    struct local_alias alias = {.writer = *writer};
-    memcpy(alias.mark, alias_mark, sizeof alias_mark);
-    dds_qset_userdata(qos, &alias, sizeof alias);
 }
 
 bool local_endpoint_names(const dds_builtintopic_endpoint_t *endpoint, const char *partition)

@@ -18,18 +18,6 @@ struct local_token {
     dds_guid_t owner; /* the reader's participant: tools copy a reader's quality of service whole */
 };
 
-/* As it stands in the USER_DATA of a writer that is opened beside a shared one (local_shared.c). */
-struct local_alias {
-    char mark[8];
-    dds_guid_t writer; /* as which it says who it is on sockets */
-};
-
-/** @return who a writer is on sockets: another one of its process, or itself */
-dds_guid_t local_alias_find(const dds_builtintopic_endpoint_t *writer);
-
-/** Says in a writer's quality of service who it is on sockets. */
-void local_alias_set(dds_qos_t *qos, const dds_guid_t *writer);
-
 /** Makes a socket of a new name that listens, for a reader of the participant.  @return it; -1: the
  * system has none left */
 int local_listen(struct local_token *token, dds_entity_t participant);

@@ -99,7 +99,7 @@ static struct local_pair *pair_add(struct local_writer *o, dds_entity_t finder,
     struct local_pair *p = local_memory(sizeof *p);
     *p = (struct local_pair){
         .source = {LOCAL_OUTPUT, -1}, .writer = o, .reader = reader, .match = match};
-    local_pair_ask(p, finder, about);
+    local_pair_ask(p, about);
     dds_builtintopic_free_endpoint(about);
     struct local_pair **at = &o->pairs;
     while (*at && p->last) {
@@ -153,12 +153,10 @@ static bool is_wanted_on_dds(const struct local_writer *o)
     return is_wanted;
 }
 
-/* One that shares goes onto DDS.  Its readers have their sockets from the one that is shared. */
+/* One that shares goes onto DDS. */
 static void writer_go(struct local_writer *o)
 {
-    dds_guid_t shared;
-    dds_entity_t writer = dds_get_guid(o->bus->shared->writer, &shared);
-    writer = writer < 0 ? writer : topics_writer(o->bus, o->topic, o->partition, NULL, &shared);
+    dds_entity_t writer = topics_writer(o->bus, o->topic, o->partition, NULL);
     o->writer = writer > 0 ? writer : 0; /* the next look tries again */
 }
 

@@ -2,7 +2,6 @@
 #include "bus/topics.h"
 
 #include "bus/check.h"
-#include "bus/local_token.h"
 #include "wire.h"
 
 #include <stdio.h>
@@ -154,7 +153,7 @@ static void matches_count(dds_entity_t writer, dds_publication_matched_status_t 
 }
 
 dds_entity_t topics_writer(struct bus *bus, enum bus_topic topic, const char *first,
-                           const char *second, const dds_guid_t *alias)
+                           const char *second)
 {
     dds_entity_t about = topics_open(bus, topic, first);
     const char *partitions[] = {first ? first : "", second};
@@ -163,9 +162,6 @@ dds_entity_t topics_writer(struct bus *bus, enum bus_topic topic, const char *fi
     dds_entity_t publisher = dds_create_publisher(bus->participant, group, NULL);
     dds_delete_qos(group);
     dds_qos_t *qos = topics_qos(&topic_table[topic]);
-    if (alias) {
-        local_alias_set(qos, alias);
-    }
     dds_listener_t *listener = dds_create_listener(bus);
     if (topic_table[topic].local) {
         dds_lset_publication_matched(listener, matches_count);

@@ -55,10 +55,9 @@ dds_qos_t *topics_qos(const struct topic *topic);
 dds_entity_t topics_open(struct bus *bus, enum bus_topic topic, const char *partition);
 
 /** Makes a writer, with a publisher of its own, into one or two partitions, as bus_writer_open.
- * @param alias  who it is on sockets; NULL: itself
  * @return it, or the fault of DDS */
 dds_entity_t topics_writer(struct bus *bus, enum bus_topic topic, const char *first,
-                           const char *second, const dds_guid_t *alias);
+                           const char *second);
 
 /** Deletes a writer and its publisher, if there is one. */
 void topics_writer_delete(dds_entity_t writer);
