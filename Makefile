@@ -332,7 +332,7 @@ $(O)/src/run/run_start.o $(O)/src/run/run_report.o: override CPPFLAGS += -DMU_CL
 COLD := $(patsubst %,$(O)/src/%.o,stats/approach stats/explored stats/goal stats/stats \
   runtime/watch runtime/watch_states runtime/watch_sample runtime/resolver runtime/directory_changes runtime/transfers \
   runtime/probes runtime/probes_look runtime/kind_base runtime/life runtime/link runtime/choice \
-  bus/wire/beacons bus/bus_open bus/config bus/topics bus/local_shared bus/local_token \
+  bus/wire/beacons bus/bus_open bus/config bus/topics bus/local_shared bus/local_token bus/bus_matches \
   runtime/process runtime/process_states runtime/agent_life runtime/roll)
 ifeq ($(BUILD)$(LEVEL),release-O2)
 $(COLD): CFLAGS += -Os

@@ -52,6 +52,7 @@ void local_pair_leave(struct local_pair *p)
     local_pair_close(p, p->match == PAIR_SERVED ? PAIR_ON_DDS : PAIR_LEAVES);
     p->asked_ns = 0;
     p->writer->seen--; /* it looks again, and goes onto DDS */
+    p->writer->stale = true;
 }
 
 static void answer_take(struct local_pair *p)

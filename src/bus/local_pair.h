@@ -52,6 +52,7 @@ struct local_writer {
     dds_entity_t writer; /* 0: it is not on DDS */
     uint32_t seen;       /* of bus->matches, when it last looked */
     uint32_t ever;       /* how many readers it has found, and how many DDS serves */
+    bool stale;          /* of one that shares: its readers may be others than those it has */
     dds_time_t stamp;
     struct local_pair *pairs;
 };

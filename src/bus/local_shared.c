@@ -2,6 +2,7 @@
 #include "bus/local_shared.h"
 
 #include "bus/local_frame.h"
+#include "bus/local_pair.h"
 #include "bus/topics.h"
 
 /* A reader of the topic, of any process. */
@@ -61,6 +62,23 @@ void local_shared_close(struct bus *bus)
     bus->shared = NULL;
 }
 
+static bool names(const struct local_found *f, const char *partition)
+{
+    bool found = false;
+    for (uint32_t i = 0; i < f->count; i++) {
+        found = found || strcmp(f->partitions[i], partition) == 0;
+    }
+    return found;
+}
+
+/* What is written to its partitions has another reader now, or one less. */
+static void writers_mark(struct local_shared *s, const struct local_found *f)
+{
+    for (struct local_writer *o = s->bus->locals; o; o = o->next) {
+        o->stale = o->stale || (o->partition && names(f, o->partition));
+    }
+}
+
 static void found_drop(struct local_shared *s, const dds_guid_t *key)
 {
     struct local_found **at = &s->found, *f;
@@ -69,6 +87,7 @@ static void found_drop(struct local_shared *s, const dds_guid_t *key)
     }
     if (f) {
         *at = f->next;
+        writers_mark(s, f);
         found_free(f);
     }
 }
@@ -97,9 +116,10 @@ static void news_take(struct local_shared *s, const dds_builtintopic_endpoint_t 
         (struct local_found){.next = s->found, .key = reader->key, .reader = info->instance_handle};
     (void)dds_qget_partition(reader->qos, &f->count, &f->partitions);
     s->found = f;
+    writers_mark(s, f);
 }
 
-static void shared_look(struct local_shared *s)
+void local_shared_look(struct local_shared *s)
 {
     uint32_t matches = atomic_load(&s->bus->matches);
     if (s->seen == matches) {
@@ -120,20 +140,10 @@ static void shared_look(struct local_shared *s)
 
 /* --- who reads what --------------------------------------------------------------------------- */
 
-static bool names(const struct local_found *f, const char *partition)
-{
-    bool found = false;
-    for (uint32_t i = 0; i < f->count; i++) {
-        found = found || strcmp(f->partitions[i], partition) == 0;
-    }
-    return found;
-}
-
-uint32_t local_shared_readers(struct local_shared *s, const char *partition,
+uint32_t local_shared_readers(const struct local_shared *s, const char *partition,
                               dds_instance_handle_t *readers, uint32_t most)
 {
     uint32_t count = 0;
-    shared_look(s);
     for (const struct local_found *f = s->found; f && count < most; f = f->next) {
         if (names(f, partition)) {
             readers[count++] = f->reader;

@@ -33,9 +33,12 @@ void local_shared_open(struct bus *bus, enum bus_topic topic);
 /** Frees the bus's, if it has one; DDS has closed what was on it. */
 void local_shared_close(struct bus *bus);
 
+/** Takes note of readers that have come and gone, and marks the writers to their partitions. */
+void local_shared_look(struct local_shared *s);
+
 /** @return how many readers name a partition, the first ones of which it fills in; DDS may not have
  * matched them yet */
-uint32_t local_shared_readers(struct local_shared *s, const char *partition,
+uint32_t local_shared_readers(const struct local_shared *s, const char *partition,
                               dds_instance_handle_t *readers, uint32_t most);
 
 #endif

@@ -22,6 +22,7 @@ static void writer_note(struct bus_writer *w, const char *last, const char *part
                                .last = last,
                                .partition = partition ? dds_string_dup(partition) : NULL,
                                .writer = w->writer,
+                               .stale = true,
                                .seen = atomic_load(&bus->matches) - 1};
     bus->locals = w->local = o;
 }
@@ -120,6 +121,7 @@ static void pair_keep(struct local_writer *o, dds_entity_t finder, dds_instance_
     }
     p = p ? p : pair_add(o, finder, reader, match);
     if (!p) {
+        o->stale = true; /* DDS has not matched it yet */
         return;
     }
     if (match > p->match) {
@@ -176,6 +178,17 @@ static void pairs_keep(struct local_writer *o)
     }
 }
 
+static void writer_look(struct local_writer *o)
+{
+    o->stale = false;
+    pairs_keep(o);
+    pairs_drop(o);
+    if (!o->writer && (is_wanted_on_dds(o) || o->bus->shared->patterns > 0)) {
+        writer_go(o);
+    }
+}
+
+/* One that shares is told which readers come and go, and asks DDS only while it is there itself. */
 static void writer_match(struct local_writer *o)
 {
     uint32_t matches = atomic_load(&o->bus->matches);
@@ -183,10 +196,11 @@ static void writer_match(struct local_writer *o)
         return;
     }
     o->seen = matches;
-    pairs_keep(o);
-    pairs_drop(o);
-    if (!o->writer && (is_wanted_on_dds(o) || o->bus->shared->patterns > 0)) {
-        writer_go(o);
+    if (o->partition) {
+        local_shared_look(o->bus->shared);
+    }
+    if (o->writer || o->stale || o->bus->shared->patterns > 0) {
+        writer_look(o);
     }
 }
 
