@@ -12,7 +12,8 @@
  *
  * The writer says first who it is on DDS; the reader answers with one byte; the writer says from
  * when on all comes here, and then samples come, as frames (cdr.h) in the byte order of the host.
- * Where DDS has the sample for others of its readers, too, one that is connected drops it.
+ * Where DDS has the sample for others of its readers, too, one that is connected drops it.  One
+ * writer finds the readers of many partitions (local_shared.h).
  *
  * One thread at a time.  Memory is DDS's, like that of its samples.
  */

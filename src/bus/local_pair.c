@@ -31,11 +31,11 @@ void local_pair_ask(struct local_pair *p, const dds_builtintopic_endpoint_t *rea
     struct local_writer *o = p->writer;
     struct local_token token;
     struct local_hello hello = {.mark = LOCAL_HELLO_MARK};
+    dds_entity_t who = p->match == PAIR_SERVED ? o->writer : o->bus->participant;
     bool has_socket = token_find(o->bus, reader, &token);
     p->source.fd = has_socket ? local_connect(&token, LOCAL_WAITING_MAX) : -1;
     if (p->source.fd >= 0 && local_is_ours(p->source.fd) &&
-        dds_get_guid(o->partition ? o->bus->participant : o->writer, &hello.writer) ==
-            DDS_RETCODE_OK &&
+        dds_get_guid(who, &hello.writer) == DDS_RETCODE_OK &&
         send(p->source.fd, &hello, LOCAL_HELLO_FIRST, MSG_NOSIGNAL) == LOCAL_HELLO_FIRST) {
         p->state = PAIR_ASKED;
         local_watch(o->bus, &p->source, EPOLLIN);
@@ -44,6 +44,7 @@ void local_pair_ask(struct local_pair *p, const dds_builtintopic_endpoint_t *rea
         local_pair_close(p, PAIR_ON_DDS);
     }
     p->last = o->last && local_endpoint_names(reader, o->last);
+    p->named = o->partition && local_endpoint_names(reader, o->partition);
     p->process = reader->participant_key;
 }
 

@@ -37,6 +37,7 @@ struct local_pair {
     enum pair_match match;
     uint32_t met;          /* of the writer's `seen`, when DDS last had it */
     bool last;             /* behind all those that are not */
+    bool named;            /* it names the partition that the writer shares one for: no pattern */
     uint64_t asked_ns;     /* since when a sample waits for the answer; 0: none does */
     char *waiting;         /* what the kernel did not take */
     size_t size, from, to; /* of waiting, and what is in it */

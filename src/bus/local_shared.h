@@ -4,7 +4,7 @@
  * One writer on DDS that finds the readers of many partitions (local.h).
  *
  * A broker writes to a partition for each process.  Each process would hear of each of those
- * writers, which took a third of the time until a hundred of them were there.  So one in the
+ * writers, which took a fifth of the time until a hundred of them were there.  So one in the
  * partition "*" finds the readers of all of them, and never writes: samples go by sockets.  A
  * writer to one partition is on DDS only if a reader needs that: of another host, or a tool.
  */

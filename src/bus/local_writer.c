@@ -159,7 +159,8 @@ static bool is_wanted_on_dds(const struct local_writer *o)
 static void writer_go(struct local_writer *o)
 {
     dds_entity_t writer = topics_writer(o->bus, o->topic, o->partition, NULL);
-    o->writer = writer > 0 ? writer : 0; /* the next look tries again */
+    o->writer = writer > 0 ? writer : 0;
+    o->stale = !o->writer; /* the next look tries again */
 }
 
 static void pairs_keep(struct local_writer *o)
@@ -238,7 +239,7 @@ bool local_process_find(struct local_writer *o, const char *partition, dds_guid_
     bool found = false;
     writer_match(o);
     for (const struct local_pair *p = o->pairs; p; p = p->next) {
-        bool is_its = pair_counts(p) && strcmp(o->partition, partition) == 0;
+        bool is_its = p->named && pair_counts(p) && strcmp(o->partition, partition) == 0;
         if (is_its && (!found || p->state != PAIR_ON_DDS)) { /* or it may be a tool */
             *process = p->process;
             found = true;

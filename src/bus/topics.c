@@ -24,7 +24,8 @@ const struct topic topic_table[BUS_TOPICS] = {
                    .carries = "a new step: percepts of the process's robots"},
     [BUS_DELIVERY] = {"Delivery", &muster_Delivery_desc, .keeps_all = true, .local = true,
                       .describer = DESCRIBED_TO_ALL, .check = check_delivery,
-                      .partition = "the process; `to all`", .from_to = "broker to agent's process",
+                      .partition = "the process; `to all`; `*` finds processes and carries nothing",
+                      .from_to = "broker to agent's process",
                       .carries =
                           "mails, receipts, changes of the white and yellow pages and groups"},
     [BUS_ROSTER] = {"Roster", &muster_Roster_desc, .for_late_comers = true, .check = check_roster,

@@ -696,6 +696,28 @@ static void test_each_partition_has_its_own_samples_and_no_writer(void)
     scene_end(&s);
 }
 
+/* Each sample of two writers comes both ways. */
+static void test_a_process_of_a_pattern_gets_nothing_twice(void)
+{
+    const struct scene of_all = {.local = "on", .topic = BUS_DELIVERY, .partition = "p?"};
+    struct side s = scene_begin(&of_all, 1);
+    struct bus_writer other;
+    CU_ASSERT_EQUAL_FATAL(bus_writer_open(&bus, BUS_DELIVERY, "p2", NULL, &other), MU_OK);
+    CU_ASSERT_EQUAL_FATAL(bus_reader_open(&bus, BUS_DELIVERY, "p?", &own), MU_OK);
+    matches_await(&writer, 2);
+    matches_await(&other, 2);
+    CU_ASSERT_FALSE(bus_writer_reaches(&other, "p2")); /* that is another process */
+    for (int64_t step = 1; step < 40; step += 2) {
+        steps_write(step, step, 0);
+        expect_steps(&s, step, step);
+        other_write(&other, step + 1);
+        expect_steps(&s, step + 1, step + 1);
+    }
+    expect_no_word(&s);
+    bus_writer_close(&other);
+    scene_end(&s);
+}
+
 static void test_a_reader_of_the_last_partition_is_last(void)
 {
     const struct scene of_last = {.local = "on", .topic = BUS_DELIVERY, .partition = "last"};
@@ -763,6 +785,7 @@ int main(void)
         CU_TEST_INFO_NULL};
     CU_TestInfo one[] = {{"last", test_a_reader_of_the_last_partition_is_last}, CU_TEST_INFO_NULL};
     CU_TestInfo shared[] = {{"partitions", test_each_partition_has_its_own_samples_and_no_writer},
+                            {"a pattern", test_a_process_of_a_pattern_gets_nothing_twice},
                             CU_TEST_INFO_NULL};
     CU_SuiteInfo suites[] = {{"bus/local", begin, NULL, NULL, NULL, both},
                              {"bus/local: order", NULL, NULL, NULL, NULL, one},
