@@ -11,19 +11,24 @@
 #include <string.h>
 #include <time.h>
 
-static uint64_t delivered, other;
+static uint64_t count, base, delivered, other;
+
+/* Of each mail from number base on, whether its outcome is known: a broker that was killed may have
+ * said it before. */
+static bool *told;
 
 static void on_receipt(void *self, mu_agent *a, uint64_t first, uint64_t last,
                        enum mu_outcome outcome)
 {
     (void)self;
     (void)a;
-    if (outcome == MU_MAIL_DELIVERED) {
-        delivered += last - first + 1;
-    } else if (outcome != MU_MAIL_STORED) {
+    if (outcome != MU_MAIL_DELIVERED && outcome != MU_MAIL_STORED) {
         fprintf(stderr, "mails %llu to %llu: %s\n", (unsigned long long)first,
                 (unsigned long long)last, mu_outcome_text(outcome));
-        other += last - first + 1;
+    }
+    for (uint64_t i = first; i <= last && i - base < count && outcome != MU_MAIL_STORED; i++) {
+        *(outcome == MU_MAIL_DELIVERED ? &delivered : &other) += !told[i - base];
+        told[i - base] = true;
     }
 }
 
@@ -32,7 +37,8 @@ int main(int argc, char **argv)
     if (argc < 5) {
         return 2;
     }
-    uint64_t count = strtoull(argv[4], NULL, 10);
+    count = strtoull(argv[4], NULL, 10);
+    told = calloc(count, sizeof *told);
     time_t until = time(NULL) + (argc > 5 ? atol(argv[5]) : 60);
     mu_process *p;
     mu_agent *a;
@@ -42,7 +48,7 @@ int main(int argc, char **argv)
                                          .peer = argc > 9 ? argv[9] : NULL};
     bool logged = argc > 6 && strcmp(argv[6], "logged") == 0;
     struct mu_handlers handlers = {.on_receipt = on_receipt};
-    if (mu_process_open(&p, &options) != MU_OK ||
+    if (!told || mu_process_open(&p, &options) != MU_OK ||
         mu_agent_join(p, &a, argv[2], MU_KIND_AGENT, 0, &handlers) != MU_OK ||
         mu_process_await_broker(p, 5000000000u) != MU_OK) {
         return 4;
@@ -56,7 +62,7 @@ int main(int argc, char **argv)
                                .content = content};
         for (mu_result r = MU_OK; sent < count && r == MU_OK; sent += r == MU_OK) {
             snprintf(content, sizeof content, "count %llu", (unsigned long long)sent + 1);
-            r = mu_agent_send(a, &mail, NULL);
+            r = mu_agent_send(a, &mail, sent == 0 ? &base : NULL);
         }
         if (mu_process_spin(p, 10000000) != MU_OK) {
             break;
