@@ -857,14 +857,22 @@ def test_keys_scroll_what_is_read_and_do_nothing_twice():
             browser.click("[data-tab='Robots']")
             browser.click("[data-tab='agent red']")
             browser.wait(end)  # it is read where it was left
-            browser.click(f"{SHOWN} .close")
+            browser.click(f"{SHOWN} .line input")
+            browser.type("(rules)")
+            browser.key("Enter")
+            browser.click(f"{SHOWN} .close")  # before the answer is there
             browser.wait("!document.querySelector('[data-tab=\"agent red\"]')")
             browser.wait("document.activeElement.dataset.tab === 'agent observer'")
             browser.key("Escape")
             browser.key("r")
             browser.click("tbody tr:nth-child(1)", 2)
             browser.wait(f"document.querySelector('{SHOWN} h2').textContent.startsWith('red')")
-            check_equal(browser.value(f"{OUTPUT}.textContent"), "", "it is another console")
+            browser.click(f"{SHOWN} .line input")
+            browser.type("(+ 40 2)")
+            browser.key("Enter")
+            browser.wait(f"{OUTPUT}.textContent.includes('42')")
+            said = browser.value(f"{OUTPUT}.textContent")
+            check_equal(said, "red> (+ 40 2)\n42\n", "it is another console")
             check_equal(browser.said, [], "the page had no fault")
 
 

@@ -121,6 +121,7 @@ export function createConsole(name, actor, hands, onClose) {
     },
     said({kind, ask: number, text}) {
       const question = asked.get(number);
+      if (number && !question) return; /* it was asked in a console that is closed */
       if (question && question.view !== 'Log') question.text += text;
       else panes.get('Log').add(kind, kind === 'note' ? text + '\n' : text);
     },
