@@ -59,8 +59,8 @@ struct local_writer {
 };
 
 /** Asks a reader for a socket.  One without a socket, of another host or another user stays with
- * DDS.
- */
+ * DDS.  A reader that the shared writer has found hears that all comes so which the process writes
+ * to it: nothing else of the process does. */
 void local_pair_ask(struct local_pair *p, const dds_builtintopic_endpoint_t *reader);
 
 /** Leaves a reader that was asked to DDS. */
