@@ -81,8 +81,8 @@ static void input_free(struct local_input *in)
     dds_free(in);
 }
 
-/* Notes which of the connections are of writers that DDS has found. */
-static void writers_look(struct local_door *door)
+/* Notes which of the connections are of writers that DDS has found.  @return the first one */
+static struct local_input *inputs_look(struct local_door *door)
 {
     struct bus_reader *r = door->reader;
     dds_instance_handle_t writers[BUS_ENDPOINTS_MAX];
@@ -100,17 +100,22 @@ static void writers_look(struct local_door *door)
             in->writer = is_its ? writers[i] : in->writer;
         }
     }
+    return door->inputs;
 }
 
-/* What ended is kept while DDS may still bring samples of its writer. */
+/* @return whether DDS may still bring samples of its writer */
+static bool is_on_dds(const struct local_input *in)
+{
+    dds_guid_t who[2];
+    (void)inputs_look(in->reader->door);
+    return in->writer && bus_writer_identify(in->reader, in->writer, who);
+}
+
 static void ended_free(struct local_door *door)
 {
     struct local_input *in;
-    dds_guid_t who[2];
-    writers_look(door);
     for (struct local_input **at = &door->inputs; (in = *at);) {
-        if (in->state != INPUT_OVER || in->queued ||
-            (in->writer && bus_writer_identify(door->reader, in->writer, who))) {
+        if (in->state != INPUT_OVER || in->queued || is_on_dds(in)) {
             at = &in->next;
         } else {
             *at = in->next;
@@ -123,10 +128,7 @@ static void ended_free(struct local_door *door)
 static void accept_refuse(struct local_door *door)
 {
     close(door->spare);
-    int fd = accept4(door->source.fd, NULL, NULL, SOCK_CLOEXEC);
-    if (fd >= 0) {
-        close(fd);
-    }
+    (void)close(accept4(door->source.fd, NULL, NULL, SOCK_CLOEXEC)); /* of -1 nothing */
     door->spare = open("/dev/null", O_RDONLY | O_CLOEXEC);
     door->reader->bus->local_refused++;
 }
@@ -388,10 +390,7 @@ int32_t local_take(struct bus_reader *r)
 
 bool local_has(struct bus_reader *r, const dds_sample_info_t *info)
 {
-    const struct local_input *in = r->door ? r->door->inputs : NULL;
-    if (in) {
-        writers_look(r->door);
-    }
+    const struct local_input *in = r->door ? inputs_look(r->door) : NULL;
     while (in && in->writer != info->publication_handle) {
         in = in->next;
     }
