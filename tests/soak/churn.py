@@ -15,10 +15,9 @@ import time
 TESTS = pathlib.Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS / "support" / "system"), str(TESTS / "system")]
 from support import Processes, broker_start, check, check_equal, folder  # noqa: E402
-from support import new_domain, program, wait_for  # noqa: E402
+from support import new_domain, program, wait_for, whole_lines  # noqa: E402
 from test_garbage import resident_kb  # noqa: E402
 from test_health import Watch  # noqa: E402
-from test_store import whole_lines  # noqa: E402
 
 PROCESSES, AGENTS, SECONDS, BROKER_STOPPED_S, GROWTH_KB = 20, 10, 60, 3, 4096
 SURVIVORS = 10  # of the processes: they are stopped, and never killed

@@ -18,8 +18,8 @@ import time
 TESTS = pathlib.Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TESTS / "support" / "system"), str(TESTS / "system")]
 from support import Processes, broker_start, check, check_equal, folder, members  # noqa: E402
-from support import new_domain, program, wait_for  # noqa: E402
-from test_store import broker_again, kill, receipts, receiver_start, whole_lines  # noqa: E402
+from support import new_domain, program, wait_for, whole_lines  # noqa: E402
+from test_store import broker_again, kill, receipts, receiver_start  # noqa: E402
 
 # Three senders may have 8,192 mails each in a box, however slow its receiver is.
 RUNS, KILLS, MAILS, CHANGES, SECONDS_MAX = 10, 10, 8000, 1000000, 540

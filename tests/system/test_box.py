@@ -6,7 +6,7 @@ import signal
 import subprocess
 
 from support import (MUSTER, Processes, check, check_equal, folder, members, muster, new_domain,
-                     program, wait_for)
+                     program, wait_for, whole_lines)
 
 MAILS = 3000
 FLOOD = 30000
@@ -23,11 +23,6 @@ def broker_start(processes, domain, *options):
 def resident_mb(pid):
     status = pathlib.Path(f"/proc/{pid}/status").read_text()
     return int(status.split("VmRSS:")[1].split()[0]) / 1024
-
-
-def record_lines(path):
-    text = path.read_text() if path.exists() else ""
-    return text.splitlines()
 
 
 def receivers_start(processes, domain, out, *names):
@@ -48,7 +43,7 @@ def bystanders_check(senders, out):
     for sender, receiver in zip(senders, ("bob", "dora")):
         output, _ = sender.communicate(timeout=70)
         check_equal(output.decode().strip(), f"delivered {MAILS}", f"receipts for {receiver}")
-        counts = [int(line.split()[3]) for line in record_lines(out / receiver)]
+        counts = [int(line.split()[3]) for line in whole_lines(out / receiver)]
         check_equal(counts, list(range(1, MAILS + 1)), f"the mail of {receiver}, in order")
 
 
@@ -83,7 +78,7 @@ def test_a_flood_to_a_suspended_receiver_hurts_nobody_else():
         check_equal(event[:3], ["over-share", "lazy", "flooder"], "the event")
         done = muster("send", "lazy", "hello", "--domain", domain)
         check_equal((done.returncode, done.stdout.strip()), (0, "stored"), "another sender's mail")
-        check_equal(record_lines(out / "lazy"), [], "mail of a suspended agent")
+        check_equal(whole_lines(out / "lazy"), [], "mail of a suspended agent")
 
 
 def test_a_flood_of_large_mail_is_bounded_in_bytes():
@@ -117,8 +112,8 @@ def test_a_stopped_receiver_hurts_nobody_else():
         rss = resident_mb(broker.pid)
         check(rss < BROKER_MB_MAX, f"broker: {rss:.0f} MB")
         os.kill(stopped.pid, signal.SIGCONT)
-        lines = wait_for(lambda: len(record_lines(out / "stopped")) >= 16384 and
-                         record_lines(out / "stopped"), 30, "what had room in the box")
+        lines = wait_for(lambda: len(whole_lines(out / "stopped")) >= 16384 and
+                         whole_lines(out / "stopped"), 30, "what had room in the box")
         numbers = [int(line.split()[0]) for line in lines]
         check_equal(numbers, list(range(1, 16385)), "its mail, in order")
 
@@ -133,8 +128,8 @@ def test_a_box_that_drops_keeps_the_youngest():
             done = muster("send", "lazy", f"m{i}", "--domain", domain)
             check_equal((done.returncode, done.stdout.strip()), (0, "stored"), f"mail {i}")
         check_equal(muster("resume", "lazy", "--domain", domain).returncode, 0, "resume")
-        lines = wait_for(lambda: len(record_lines(out / "lazy")) >= 5 and
-                         record_lines(out / "lazy"), 10, "the mail that was left")
+        lines = wait_for(lambda: len(whole_lines(out / "lazy")) >= 5 and
+                         whole_lines(out / "lazy"), 10, "the mail that was left")
         # A lone sender has all of so small a box, and pays with its own oldest mail.
         check_equal([line.split()[2] for line in lines], ["m3", "m4", "m5", "m6", "m7"], "mail")
 

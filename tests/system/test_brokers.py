@@ -9,7 +9,7 @@ import time
 from actors import Actor
 from netns import Hosts
 from support import (FOLLOW, MUSTER, ROOT, Processes, check, check_equal, experiment_run, folder, muster,
-                     new_domain, program, wait_for)
+                     new_domain, program, wait_for, whole_lines)
 
 BROKERS = ("a", "b")
 CUT_S = int(os.environ.get("CUT_S", "1"))  # how long a link stays cut; longer in a soak
@@ -39,8 +39,7 @@ def receiver_start(processes, domain, name, out, broker, *words):
 
 
 def heard(out, name):
-    path = out / name
-    return [line.split(" ", 2)[2] for line in path.read_text().splitlines()] if path.exists() else []
+    return [line.split(" ", 2)[2] for line in whole_lines(out / name)]
 
 
 def team_start(processes, domain, out, *words):
@@ -112,9 +111,7 @@ def scout_start(processes, domain, name, out, attributes, broker):
 
 
 def noted(out, name, line):
-    path = out / name
-    wait_for(lambda: path.exists() and line in path.read_text().splitlines(), 10,
-             f"{name} to note: {line}")
+    wait_for(lambda: line in whole_lines(out / name), 10, f"{name} to note: {line}")
 
 
 def test_groups_and_services_are_common():
@@ -166,7 +163,7 @@ def test_the_policy_of_an_agents_own_broker_decides():
                                 ("service remove mapper --as green", 0)):
                 done = muster(*words.split(), "--domain", domain, "--broker", broker)
                 check_equal(done.returncode, code, f"{words} at {broker}: {done.stderr}")
-        records = [json.loads(line) for line in audit.read_text().splitlines()]
+        records = [json.loads(line) for line in whole_lines(audit)]
         check_equal([r["allowed"] for r in records].count(False), 4, "the audit of b has all")
 
 
@@ -330,7 +327,7 @@ def test_the_link_between_two_brokers_is_cut_and_mended():
         hosts.rejoin()
         for name in ("red", "blue"):
             wait_for(lambda: len(heard(out, name)) >= 10001, 40, f"all mail to {name}")
-            lines = [line.split(" ", 2) for line in (out / name).read_text().splitlines()]
+            lines = [line.split(" ", 2) for line in whole_lines(out / name)]
             for sender, count in (("early", 8000), ("late", 2000)):
                 got = [line[2] for line in lines if line[1].startswith(sender)]
                 check(got == [f"count {n + 1}" for n in range(count)],

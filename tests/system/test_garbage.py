@@ -5,9 +5,9 @@ import json
 import subprocess
 
 from support import (Processes, broker_start, check, check_equal, folder, members, muster,
-                     new_domain, program, wait_for)
+                     new_domain, program, wait_for, whole_lines)
 from test_health import Watch, counters
-from test_store import receiver_start, whole_lines
+from test_store import receiver_start
 
 MAILS, BAD_WORDS = 20000, 11
 
@@ -66,7 +66,7 @@ def test_what_is_written_and_shown_stays_whole():
         wait_for(lambda: "receiver" in members(domain), 10, "the receiver in the white pages")
         muster("do", "receiver", odd, "--domain", domain, timeout=60)
         muster("do", "receiver", b"\xff\xfe broken", "--domain", domain, timeout=60)
-        wait_for(lambda: len(audit.read_bytes().splitlines()) == 2, 10, "two records")
+        wait_for(lambda: len(whole_lines(audit)) == 2, 10, "two records")
         records = [json.loads(line) for line in audit.read_text(encoding="utf-8").splitlines()]
         check_equal(records[0]["line"], odd, "a record")
         check("broken" in records[1]["line"], f"a record: {records[1]}")

@@ -4,7 +4,7 @@ import json
 import subprocess
 
 from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, folder, members, muster,
-                     new_domain, program, wait_for)
+                     new_domain, program, wait_for, whole_lines)
 
 BAD_NAMES = ["a b", "a\nb", "*", '"a"', "", "1st", "a:b", "a,b", "x" * 32, "x" * 10000, b"caf\xe9",
              "caf\u00e9"]
@@ -94,9 +94,8 @@ def test_the_policy_decides_in_whose_name():
         done = muster("service", "add", "mapper", "--as", "bob", "--domain", domain)
         check_equal(done.returncode, 6, "a service, too")
         check_equal(group(domain, "join", "scouts").returncode, 0, "for itself it may")
-        records = wait_for(lambda: len(audit.read_text().splitlines()) == 3 and
-                           [json.loads(line) for line in audit.read_text().splitlines()], 5,
-                           "three records")
+        records = wait_for(lambda: len(whole_lines(audit)) == 3 and
+                           [json.loads(line) for line in whole_lines(audit)], 5, "three records")
         check_equal([(r["receiver"], r["performative"], r["allowed"]) for r in records],
                     [("ann", "group-join", True), ("bob", "group-join", False),
                      ("bob", "advertise", False)], "the audit")

@@ -6,7 +6,7 @@ import subprocess
 
 from netns import Hosts
 from support import (MUSTER, ROOT, Processes, check, check_equal, folder, muster, new_domain,
-                     program, wait_for)
+                     program, wait_for, whole_lines)
 
 
 def brokers_start(processes, domain, *names):
@@ -41,7 +41,7 @@ def receiver_start(processes, domain, record):
 
 
 def contents(record):
-    return [line.split(" ", 2)[2] for line in record.read_text().splitlines()]
+    return [line.split(" ", 2)[2] for line in whole_lines(record)]
 
 
 def test_four_brokers_live_on_a_host():

@@ -5,16 +5,10 @@ import signal
 import subprocess
 
 from support import (MUSTER, ROOT, Processes, broker_start, check, check_equal, folder, members, muster,
-                     new_domain, program, wait_for)
+                     new_domain, program, wait_for, whole_lines)
 
 MAILS = 20000
 KILLS = 20
-
-
-def record_lines(path):
-    """Whole lines of a receiver's record."""
-    text = path.read_text() if path.exists() else ""
-    return text.splitlines() if text.endswith("\n") else text.splitlines()[:-1]
 
 
 def receiver_start(processes, domain, record):
@@ -33,13 +27,13 @@ def test_receiver_killed_again_and_again_misses_nothing_and_gets_nothing_twice()
         for kill in range(1, KILLS + 1):
             # By progress, not by time: each life takes its share of the mail.
             share = MAILS * kill // (KILLS + 1)
-            wait_for(lambda: len(record_lines(record)) >= share, 30, f"{share} mails taken")
+            wait_for(lambda: len(whole_lines(record)) >= share, 30, f"{share} mails taken")
             receiver.kill()
             receiver.wait()
             receiver = receiver_start(processes, domain, record)
         output, _ = sender.communicate(timeout=60)
         check_equal(output.decode().strip(), f"delivered {MAILS}", "the sender's receipts")
-        counts = [int(line.split()[3]) for line in record_lines(record)]
+        counts = [int(line.split()[3]) for line in whole_lines(record)]
         check_equal(len(set(counts)), MAILS, "different mails at the receiver")
         check_equal(len(counts), MAILS, "mails at the receiver, duplicates and all")
         check_equal(counts, sorted(counts), "their order")
@@ -58,8 +52,8 @@ def test_mail_for_an_absent_agent_waits_and_comes_in_order():
             done = muster("send", "receiver", word, "--domain", domain)
             check_equal((done.returncode, done.stdout.strip()), (0, "stored"), "receipt")
         receiver_start(processes, domain, out / "record")
-        lines = wait_for(lambda: len(record_lines(out / "record")) == 3 and
-                         record_lines(out / "record"), 5, "three mails")
+        lines = wait_for(lambda: len(whole_lines(out / "record")) == 3 and
+                         whole_lines(out / "record"), 5, "three mails")
         check_equal([line.split()[2] for line in lines], ["one", "two", "three"], "their order")
 
 
@@ -95,10 +89,10 @@ def test_broadcast_reaches_the_active_and_not_the_absent():
         wait_for(lambda: members(domain)["gone"]["state"] == "absent", 5, "one that has left")
         check_equal(muster("broadcast", "hello", "--domain", domain).returncode, 0, "broadcast")
         for name in ("one", "two"):
-            wait_for(lambda: record_lines(out / name), 5, f"the mail of {name}")
+            wait_for(lambda: whole_lines(out / name), 5, f"the mail of {name}")
         processes.start(program("mail_receiver"), domain, "gone", out / "gone")
         wait_for(lambda: members(domain)["gone"]["state"] == "running", 5, "one that is back")
-        check_equal(record_lines(out / "gone"), [], "mail of who was absent")
+        check_equal(whole_lines(out / "gone"), [], "mail of who was absent")
 
 
 def test_a_question_for_facts_is_answered_by_the_rules_engine():
@@ -139,7 +133,7 @@ def test_a_stopped_receiver_is_absent_and_comes_back():
         done = muster("send", "receiver", "later", "--domain", domain)
         check_equal((done.returncode, done.stdout.strip()), (0, "stored"), "receipt")
         os.kill(receiver.pid, signal.SIGCONT)
-        wait_for(lambda: record_lines(out / "record"), 5, "the mail that waited")
+        wait_for(lambda: whole_lines(out / "record"), 5, "the mail that waited")
         wait_for(lambda: members(domain)["receiver"]["state"] == "running", 5, "presence")
 
 
@@ -156,7 +150,7 @@ def test_a_broker_that_is_killed_is_replaced_and_agents_register_by_themselves()
         wait_for(lambda: "receiver" in members(domain), 15, "the receiver, by itself")
         done = muster("send", "receiver", "after", "--domain", domain)
         check_equal((done.returncode, done.stdout.strip()), (0, "delivered"), "receipt")
-        check_equal([line.split()[2] for line in record_lines(out / "record")],
+        check_equal([line.split()[2] for line in whole_lines(out / "record")],
                     ["before", "after"], "the receiver's mail")
 
 

@@ -6,7 +6,7 @@ import signal
 import subprocess
 
 from support import (MUSTER, Processes, broker_start, check, check_equal, folder, members, muster,
-                     new_domain, observer_environment, program, wait_for)
+                     new_domain, observer_environment, program, wait_for, whole_lines)
 
 CROWD = tuple(f"r{i}" for i in range(8))
 
@@ -30,8 +30,7 @@ def caller_start(processes, domain, to, count, broker="main", name="tx"):
 
 def heard(out, name, sender="tx"):
     """The numbers in the mails of a sender to a receiver, in the order in which they came."""
-    path = out / name
-    words = [line.split() for line in path.read_text().splitlines()] if path.exists() else []
+    words = [line.split() for line in whole_lines(out / name)]
     return [int(line[3]) for line in words if line[1:3] == [sender, "count"]]
 
 

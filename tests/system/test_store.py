@@ -9,15 +9,10 @@ import sqlite3
 import subprocess
 
 from support import (MUSTER, Processes, broker_start, check, check_equal, folder, members, muster,
-                     new_domain, program, wait_for)
+                     new_domain, program, wait_for, whole_lines)
 
 # A lone sender may have 16,384 mails in a box, however slow its receiver is.
 MAILS, KILLS, WINDOW = 16000, 6, 200
-
-
-def whole_lines(path):
-    text = path.read_text(errors="replace") if path.exists() else ""
-    return text.splitlines() if text.endswith("\n") else text.splitlines()[:-1]
 
 
 def receipts(path):

@@ -7,7 +7,7 @@ import resource
 import signal
 
 from support import (FOLLOW, MUSTER, ROOT, Processes, Skip, check, check_equal, folder, members, muster,
-                     new_domain, wait_for)
+                     new_domain, wait_for, whole_lines)
 from test_health import counters
 
 POLICY = """# the team's policy
@@ -31,7 +31,7 @@ def robots_start(processes, domain, *names):
 
 
 def records(path):
-    return [json.loads(line) for line in path.read_text().splitlines()]
+    return [json.loads(line) for line in whole_lines(path)]
 
 
 def test_a_policy_decides_and_the_audit_says_so():

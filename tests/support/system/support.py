@@ -104,6 +104,13 @@ def wait_for(condition, seconds, what):
     raise AssertionError(f"not within {PATIENCE * seconds} s: {what}")
 
 
+def whole_lines(path):
+    """What a program has written so far; the last line may not be there to its end yet."""
+    path = pathlib.Path(path)
+    text = path.read_text(encoding="utf-8", errors="replace") if path.exists() else ""
+    return text.split("\n")[:-1]
+
+
 @contextlib.contextmanager
 def folder():
     path = pathlib.Path(tempfile.mkdtemp(prefix="muster-test-"))
