@@ -125,6 +125,7 @@ static void echo(struct ends *e)
         if (dds_waitset_wait(e->waitset, NULL, 0, DDS_SECS(1)) > 0) {
             int64_t step = ends_take(e);
             if (step >= 0) {
+                ends_match(e); /* its partner may have found it first, and would hear nothing */
                 ends_write(e, step);
             }
         }
