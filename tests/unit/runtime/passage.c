@@ -74,19 +74,8 @@ static void accept(mu_process *p, uint64_t incarnation)
 
 static void item_take(mu_process *p, uint64_t number)
 {
-    muster_Parcel item = {.box = words("red"),
-                          .number = number,
-                          .letter = {.src = words("blue"),
-                                     .seq = number,
-                                     .dst = words("red"),
-                                     .layer = MU_LAYER_SPEECH,
-                                     .performative = words(""),
-                                     .language = words(""),
-                                     .ontology = words(""),
-                                     .reply_with = words(""),
-                                     .in_reply_to = words(""),
-                                     .conversation = words(""),
-                                     .content = words("hello")}};
+    muster_Parcel item = {
+        .box = words("red"), .number = number, .letter = letter("blue", number, "red", "hello")};
     muster_Delivery d = {.process = words("p"), .broker = words("main"), .step = muster_STEP_NOW};
     d.parcels._buffer = &item;
     d.parcels._length = 1;

@@ -222,19 +222,8 @@ static void deliver_verdict(struct peer *p, const char *agent)
 
 static void deliver_mail(struct peer *p, int64_t step, const char *agent, uint64_t number)
 {
-    muster_Parcel item = {.box = words(agent),
-                          .number = number,
-                          .letter = {.src = words("blue"),
-                                     .seq = number,
-                                     .dst = words(agent),
-                                     .layer = MU_LAYER_SPEECH,
-                                     .performative = words(""),
-                                     .language = words(""),
-                                     .ontology = words(""),
-                                     .reply_with = words(""),
-                                     .in_reply_to = words(""),
-                                     .conversation = words(""),
-                                     .content = words("hi")}};
+    muster_Parcel item = {
+        .box = words(agent), .number = number, .letter = letter("blue", number, agent, "hi")};
     muster_Delivery d = delivery_to(p, step);
     d.parcels._buffer = &item;
     d.parcels._length = d.parcels._maximum = 1;

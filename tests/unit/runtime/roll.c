@@ -76,19 +76,7 @@ static void test_another_broker_hears_all_and_is_told_nothing_before_its_answer(
     accept(5);
     mu_agent *a0 = agent_find(&process, "a0");
     CU_ASSERT_EQUAL(mu_agent_broadcast(a0, "hello"), MU_OK);
-    char *const none = words("");
-    muster_Parcel item = {.box = words("a0"),
-                          .number = 1,
-                          .letter = {.src = words("blue"),
-                                     .dst = none,
-                                     .layer = MU_LAYER_SPEECH,
-                                     .performative = none,
-                                     .language = none,
-                                     .ontology = none,
-                                     .reply_with = none,
-                                     .in_reply_to = none,
-                                     .conversation = none,
-                                     .content = none}};
+    muster_Parcel item = {.box = words("a0"), .number = 1, .letter = letter("blue", 0, "", "")};
     muster_Delivery d = delivery(NULL, false);
     d.parcels._buffer = &item;
     d.parcels._length = 1;

@@ -3,6 +3,7 @@
  * for. */
 #include "runtime/watch.h"
 #include "muster/memory.h"
+#include "samples.h"
 #include "suite.h"
 
 #include <CUnit/Basic.h>
@@ -36,18 +37,7 @@ static void test_scene(void)
 
 static muster_Mail mail_of(uint64_t seq)
 {
-    return (muster_Mail){.src = red,
-                         .seq = seq,
-                         .dst = red,
-                         .layer = 3,
-                         .performative = none,
-                         .language = none,
-                         .ontology = none,
-                         .reply_with = none,
-                         .in_reply_to = none,
-                         .conversation = none,
-                         .due_ns = -1,
-                         .content = rules};
+    return letter(red, seq, red, rules);
 }
 
 static void test_frame(void)
