@@ -97,8 +97,6 @@ struct bus {
     bool local;                  /* there may be sockets */
     uint64_t local_frames;       /* what has come by them and was not taken: samples, ends */
     uint64_t local_refused;      /* connections that did not come about */
-    uint64_t pairs;              /* of samples that bus_wait has brought, ever */
-    struct local_source *later;  /* the socket that has brought the last sample; NULL: none */
     struct local_door *doors;    /* all readers with sockets */
     struct local_writer *locals; /* all writers with sockets */
     struct local_shared *shared; /* what those to one partition share; NULL: nothing */

@@ -5,7 +5,6 @@
 
 #include <errno.h>
 #include <limits.h>
-#include <poll.h>
 #include <sched.h>
 #include <stdio.h>
 #include <sys/epoll.h>
@@ -34,9 +33,6 @@ static const uint64_t LONG_NS = 600000;
  * has lost a slice of time to the other one, and does not stay awake for so many times that. */
 static const uint64_t BUSY_NS = 60000;
 enum { BUSY_REST = 30 };
-
-/* A socket that has brought a sample of so many pairs, one after another, will do so again. */
-enum { REGULAR = 8 };
 
 mu_result bus_arrivals_open(struct bus *bus)
 {
@@ -106,15 +102,10 @@ void bus_arrivals_taken(struct bus_reader *r, uint64_t arrived)
 
 /* --- descriptors ------------------------------------------------------------------------------ */
 
-static struct timespec time_of(uint64_t ns)
-{
-    return (struct timespec){(time_t)(ns / 1000000000), (long)(ns % 1000000000)};
-}
-
 /* By milliseconds, upwards, where the system knows no shorter ones (before Linux 5.11). */
 static int events_wait(int fd, struct epoll_event *events, int most, int64_t timeout_ns)
 {
-    const struct timespec time = time_of((uint64_t)timeout_ns);
+    const struct timespec time = {(time_t)(timeout_ns / 1000000000), timeout_ns % 1000000000};
     int count = epoll_pwait2(fd, events, most, &time, NULL);
     if (count < 0 && errno == ENOSYS) {
         int64_t ms = (timeout_ns + 999999) / 1000000;
@@ -168,28 +159,11 @@ static bool samples_want(struct bus *bus, uint64_t samples)
     return samples_there(bus) >= samples;
 }
 
-/* Waits for the later one of two samples, if that comes by one socket in each step: the other one
- * need wake no thread.  Of more than two, those that are early are better read meanwhile. */
-static void later_await(struct bus *bus, uint64_t most_ns)
-{
-    const struct local_source *later = bus->later;
-    if (later && later->regular >= REGULAR && later->pair < bus->pairs) {
-        struct pollfd fds[] = {{.fd = later->fd, .events = POLLIN},
-                               {.fd = bus->note_fd, .events = POLLIN}};
-        const struct timespec time = time_of(most_ns);
-        (void)ppoll(fds, sizeof fds / sizeof fds[0], &time, NULL);
-    }
-}
-
 /* Asleep, as long as there is time.  @return whether so many samples are there */
 static bool samples_sleep(struct bus *bus, uint64_t samples, uint64_t until_ns)
 {
     uint64_t now_ns = bus->waited_ns;
     bool come = samples_want(bus, samples);
-    if (samples == 2 && !come) {
-        later_await(bus, until_ns - now_ns);
-        now_ns = mu_clock_ns();
-    }
     do {
         bus_arrivals_poll(bus, come || now_ns > until_ns ? 0 : (int64_t)(until_ns - now_ns));
         now_ns = mu_clock_ns();
@@ -233,7 +207,6 @@ static bool samples_await(struct bus *bus, uint64_t samples, uint64_t until_ns)
     uint64_t took_ns = bus->waited_ns - began_ns;
     took_ns = samples_there(bus) > 0 && !in_vain && took_ns < LONG_NS ? took_ns : LONG_NS;
     bus->usual_ns += took_ns / 8 - bus->usual_ns / 8;
-    bus->pairs += come && samples == 2;
     return come;
 }
 

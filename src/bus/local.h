@@ -27,9 +27,7 @@
 /* What a descriptor of the bus's epoll belongs to: the first member of a connection. */
 struct local_source {
     enum { LOCAL_DOOR, LOCAL_INPUT, LOCAL_OUTPUT } kind;
-    int fd;           /* -1: it is closed */
-    uint64_t pair;    /* the last one of the bus's that it has brought a sample of, */
-    uint32_t regular; /* and of how many before it, one after another */
+    int fd; /* -1: it is closed */
 };
 
 /* --- local_reader.c --- */

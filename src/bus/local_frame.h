@@ -56,23 +56,11 @@ static inline void local_change(struct bus *bus, struct local_source *source, ui
  */
 static inline void local_unwatch(struct bus *bus, struct local_source *source)
 {
-    bus->later = bus->later == source ? NULL : bus->later;
     if (source->fd >= 0) {
         (void)epoll_ctl(bus->poll_fd, EPOLL_CTL_DEL, source->fd, NULL);
         close(source->fd);
         source->fd = -1;
     }
-}
-
-/* Notes that it has brought a sample: bus_wait wants to know where the later one of two comes from.
- */
-static inline void local_came(struct bus *bus, struct local_source *source)
-{
-    if (source->pair != bus->pairs) {
-        source->regular = source->pair + 1 == bus->pairs ? source->regular + 1 : 0;
-        source->pair = bus->pairs;
-    }
-    bus->later = source;
 }
 
 #endif

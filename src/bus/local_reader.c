@@ -247,7 +247,6 @@ static bool frames_count(struct local_input *in)
         in->counted += size;
         in->frames++;
         news_note(in);
-        local_came(in->reader->bus, &in->source);
     }
     /* A reader that keeps the last sample alone has no use for those before. */
     while (!topic_table[in->reader->topic].keeps_all && in->frames > 1) {
